@@ -1,0 +1,11 @@
+"""The array types that signatures are written in."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+IntArray = NDArray[np.int64]
+AnyArray = NDArray[Any]

@@ -1,0 +1,102 @@
+"""The recorder's band: its low-pass, and raising, differentiating and lowering the rate of band-limited signals.
+
+All filtering is zero-phase and done by FFT on a record that is continued beyond both ends by odd reflection, tapered to
+nothing, so that the record's own ends cast no wrap-around into each other.
+"""
+
+import numpy as np
+from scipy import fft
+
+from models.arrays import FloatArray
+
+PASS_EDGE = 0.37
+STOP_EDGE = 0.43
+SCORE_EDGE = 0.35
+"""Fractions of fs: the recorder is flat to the first, stopped from the second; errors are judged below the third."""
+
+PAD = 128
+"""Samples of continuation at each end; the low-pass has died out well within."""
+
+
+def recorder_gain(freq: FloatArray, fs: float) -> FloatArray:
+    """Gain of the recorder's anti-alias filter: 1 to 0.37 fs, raised cosine, 0 from 0.43 fs.
+
+    Args:
+        freq: Hz, any shape.
+        fs: sampling rate of the record, Hz.
+    """
+    share = np.clip((freq / fs - PASS_EDGE) / (STOP_EDGE - PASS_EDGE), 0.0, 1.0)
+    return 0.5 * (1.0 + np.cos(np.pi * share))
+
+
+def continued(signal: FloatArray, pad: int) -> FloatArray:
+    """The signal with ``pad`` tapered, odd-reflected samples at each end, on the last axis.
+
+    Args:
+        signal: (..., N).
+        pad: at most N - 1.
+    """
+    first, last = signal[..., :1], signal[..., -1:]
+    taper = 0.5 * (1.0 + np.cos(np.pi * np.arange(1, pad + 1) / (pad + 1)))
+    before = (2.0 * first - signal[..., pad:0:-1]) * taper[::-1]
+    after = (2.0 * last - signal[..., -2 : -pad - 2 : -1]) * taper
+    return np.concatenate([before, signal, after], axis=-1)
+
+
+def raise_rate(signal: FloatArray, factor: int, *, derivative: int = 0, for_linear_hold: bool = False) -> FloatArray:
+    """Band-limited interpolation by an integer factor.
+
+    Args:
+        signal: (N,) samples at fs.
+        factor: how many times finer.
+        derivative: 0 the signal, 1 or 2 its time derivative in units of 1/sample of the coarse rate.
+        for_linear_hold: pre-compensate the sinc^2 loss of a stepper that holds its input linear between fine samples,
+            so that what the stepper sees is exact in amplitude within the band.
+
+    Returns:
+        (N factor,) samples at factor * fs, the first at the first coarse sample.
+    """
+    n = signal.shape[-1]
+    pad = min(PAD, n - 1)
+    padded = continued(signal, pad)
+    n_coarse = padded.shape[-1]
+    n_fast = fft.next_fast_len(n_coarse, real=True)
+    spectrum = fft.rfft(padded, n_fast)
+    cycles = np.arange(spectrum.shape[-1]) / n_fast
+    if n_fast % 2 == 0:
+        spectrum[..., -1] *= 0.5
+    weight = (2j * np.pi * cycles) ** derivative if derivative else np.ones_like(cycles)
+    if for_linear_hold:
+        weight = weight / np.sinc(cycles / factor) ** 2
+    fine = fft.irfft(spectrum * weight, n_fast * factor) * factor
+    return np.ascontiguousarray(fine[..., pad * factor : (pad + n) * factor])
+
+
+def record_channels(
+    fine: FloatArray, factor: int, n_samples: int, fs: float, derivatives: FloatArray | None = None
+) -> FloatArray:
+    """What a recorder makes of finely sampled motion: low-pass, then every ``factor``-th sample.
+
+    Args:
+        fine: (n, M) at factor * fs, M >= (n_samples - 1) factor + 1, the first at the record's first sample.
+        factor: fine samples per recorded sample.
+        n_samples: length of the record.
+        fs: rate of the record, Hz.
+        derivatives: (n,) how often each row is differentiated in time on the way (1 turns velocity into acceleration,
+            which needs no force between samples and so no resolved impact).
+
+    Returns:
+        (n, n_samples).
+    """
+    pad = min(PAD, (fine.shape[-1] - 1) // factor) * factor
+    padded = continued(fine, pad)
+    n_fast = factor * fft.next_fast_len(-(-padded.shape[-1] // factor), real=True)
+    spectrum = fft.rfft(padded, n_fast)[..., : n_fast // factor // 2 + 1]
+    freq = np.arange(spectrum.shape[-1]) * (factor * fs / n_fast)
+    gain = recorder_gain(freq, fs)
+    if derivatives is not None:
+        order = np.asarray(derivatives)[:, None]
+        gain = gain * np.where(order == 0, 1.0, (2j * np.pi * freq)[None, :] ** order)
+    coarse = fft.irfft(spectrum * gain, n_fast // factor) / factor
+    start = pad // factor
+    return np.ascontiguousarray(coarse[..., start : start + n_samples])

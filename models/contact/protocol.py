@@ -1,0 +1,42 @@
+"""What a contact law is: frozen parameters and one scalar function of penetration and its rate."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
+
+
+@dataclass(frozen=True)
+class ContactLaw(ABC):
+    """The normal force of a closed contact, before it is kept from pulling.
+
+    Attributes:
+        stiffness: N/m (or N/m^n where the law says so).
+    """
+
+    name: ClassVar[str]
+    source: ClassVar[str]
+
+    stiffness: float
+
+    @classmethod
+    @abstractmethod
+    def from_sleeve(cls, stiffness: float, damping: float) -> Self:
+        """The law with the two numbers a rig file gives a sleeve: stiffness N/m, damping in the law's own unit."""
+
+    @staticmethod
+    @abstractmethod
+    def normal_force(t: float, p: float, p_rate: float, z: float, c: Sequence[float]) -> float:
+        """Force, N, at penetration p > 0 (m) growing at p_rate (m/s), with the numbers of ``values`` in c.
+
+        Compiled by ``models.law``; a negative value is cut to 0 by the stepper, so that the contact never pulls.
+        """
+
+    @property
+    @abstractmethod
+    def values(self) -> tuple[float, ...]:
+        """The law's numbers in the order in which ``normal_force`` reads them."""
+
+    def stiffer(self, ratio: float) -> Self:
+        """The same law with its elastic part multiplied by ``ratio``."""
+        return replace(self, stiffness=self.stiffness * ratio)

@@ -1,0 +1,36 @@
+"""A mass that nobody listed, moving with the beam."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, StructureKind, parameter
+from models.structure import Structure
+
+
+@dataclass(frozen=True)
+class PointMass(Effect):
+    """A point mass, weight included."""
+
+    kind: ClassVar[str] = "point_mass"
+    family: ClassVar[Family] = "structure"
+    places: ClassVar[tuple[PlaceKind, ...]] = ("position",)
+    structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
+    source: ClassVar[str] = "L. Meirovitch, Fundamentals of Vibrations (2001), section 8.6"
+
+    mass: float = parameter("m", "kg", lower=0.0)
+
+    @classmethod
+    def trials(cls, scene: Scene) -> Iterator[Self]:
+        """1 and 10 % of the structure's mass."""
+        total = scene.structure.line_mass * (scene.structure.length or 1.0)
+        for share in (0.01, 0.1):
+            yield cls(scene.place, mass=share * total)
+
+    def change_structure(self, structure: Structure) -> Structure:
+        """The structure carrying the mass."""
+        return structure.with_mass(self.place.position, self.mass)
+
+    def in_words(self) -> str:
+        """When it acts and what it does."""
+        return "in proportion to acceleration, at every amplitude: a mass that moves with the beam"

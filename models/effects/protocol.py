@@ -1,0 +1,237 @@
+"""What an effect is: parameters, a place, a source, and one pure piece of physics.
+
+An effect overrides exactly one of the hooks of its family; the defaults change nothing. Nothing else in the project
+knows the kinds: whoever needs one asks ``models.effects.EFFECTS``.
+"""
+
+from abc import ABC
+from collections.abc import Iterator, Mapping
+from dataclasses import MISSING, Field, dataclass, field, fields, replace
+from functools import cache
+from math import inf
+from typing import Any, ClassVar, Literal, Self
+
+import numpy as np
+
+from models.arrays import FloatArray
+from models.ports import Contact, PointLaw
+from models.rig import Sensor
+from models.structure import Structure
+
+Family = Literal["point force", "structure", "time", "measurement"]
+PlaceKind = Literal["sleeve", "position", "sensor"]
+StructureKind = Literal["beam", "oscillator"]
+Scale = Literal["log", "linear"]
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where an effect sits: a sleeve, a sensor, a position (m from the clamp), or nowhere in particular.
+
+    ``position`` is also filled in for a sleeve by ``models.plant``, so that every point law knows its coordinate.
+    """
+
+    sleeve: str | None = None
+    position: float | None = None
+    sensor: str | None = None
+
+    def __str__(self) -> str:
+        """As an engineer says it: ``at sleeve 2``, ``at 0.830 m``, ``on P3``, or nothing."""
+        if self.sleeve is not None:
+            return f"at {self.sleeve}"
+        if self.sensor is not None:
+            return f"on {self.sensor}"
+        return "" if self.position is None else f"at {self.position:.3f} m"
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of an effect, as the vocabulary, the fit and the report know it.
+
+    Attributes:
+        symbol: as in the formula.
+        unit: SI, ``-`` for a ratio.
+        lower, upper: bounds.
+        scale: ``log`` for a positive scale parameter, ``linear`` otherwise.
+        spread: one standard deviation of the prior, in e-folds (log) or in the parameter's own unit (linear).
+        fitted: False for a number that the data do not determine (a width, the times of a table).
+    """
+
+    symbol: str
+    unit: str
+    lower: float = -inf
+    upper: float = inf
+    scale: Scale = "log"
+    spread: float = 2.0
+    fitted: bool = True
+
+
+def parameter(
+    symbol: str,
+    unit: str,
+    *,
+    lower: float = -inf,
+    upper: float = inf,
+    scale: Scale = "log",
+    spread: float = 2.0,
+    fitted: bool = True,
+    default: Any = MISSING,
+) -> Any:
+    """A dataclass field that is a parameter of an effect (see ``Parameter``)."""
+    about = Parameter(symbol, unit, lower, upper, scale, spread, fitted)
+    return field(metadata={"parameter": about}, default=default)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What the given model says about the motion at a place, from which an effect chooses trial values.
+
+    Attributes:
+        place: where the effect would sit.
+        contact: the sleeve's contact, or None where the place is no sleeve.
+        structure: the linear structure.
+        displacement: largest |q - mean| at the place, m.
+        velocity: rms of v at the place, m/s.
+        force: rms of the excitation as a force, N (for a driven base, modal mass times acceleration).
+        penetration: largest penetration at the sleeve, m; 0 where there is none.
+        duration: of the longest record, s.
+        driven_base: whether the base moves, so that ``against = "ground"`` is another effect than ``"base"``.
+    """
+
+    place: Place
+    contact: Contact | None
+    structure: Structure
+    displacement: float
+    velocity: float
+    force: float
+    penetration: float
+    duration: float
+    driven_base: bool
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """What a change of the measurement chain sees of a record.
+
+    Attributes:
+        sensors: names, in the order of the channels.
+        fs: Hz.
+        free: values of this record's own parameters (``record_parameters``), by name.
+    """
+
+    sensors: tuple[str, ...]
+    fs: float
+    free: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Effect(ABC):
+    """Base of all effects: the place; subclasses add their parameters with ``parameter(...)``.
+
+    Class attributes:
+        kind: name in the vocabulary.
+        family: which of the four kinds of physics.
+        places: what the place may be; empty for an effect over the whole beam or the whole measurement.
+        structures: what it can be added to.
+        source: citation.
+        options: keys that choose a variant, each with its values, the default first; they are fields too.
+        record_parameters: numbers that every record has for itself (a phase), by name.
+        unique: at most one of this kind can sit at a place (two springs in parallel are one spring).
+    """
+
+    kind: ClassVar[str]
+    family: ClassVar[Family]
+    places: ClassVar[tuple[PlaceKind, ...]] = ()
+    structures: ClassVar[tuple[StructureKind, ...]] = ("beam",)
+    source: ClassVar[str]
+    options: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+    record_parameters: ClassVar[Mapping[str, Parameter]] = {}
+
+    place: Place
+
+    @classmethod
+    @cache
+    def parameters(cls) -> dict[str, Parameter]:
+        """The effect's parameters by name, in the order of the fields."""
+        return {f.name: f.metadata["parameter"] for f in _own_fields(cls) if "parameter" in f.metadata}
+
+    @classmethod
+    def has_default(cls, name: str) -> bool:
+        """Whether a table may leave this parameter out."""
+        return any(f.name == name and f.default is not MISSING for f in _own_fields(cls))
+
+    @classmethod
+    def trials(cls, scene: Scene) -> Iterator[Self]:
+        """Values worth trying when nothing is known but the scene: a few, spanning what could hide in the data."""
+        raise NotImplementedError
+
+    def change_structure(self, structure: Structure) -> Structure:
+        """The linear structure with this effect in it."""
+        return structure
+
+    def change_contact(self, contact: Contact) -> Contact:
+        """The contact of the effect's sleeve with this effect in it."""
+        return contact
+
+    def point_laws(self, contact: Contact | None, structure: Structure) -> tuple[PointLaw, ...]:  # noqa: ARG002
+        """Forces on the structure; ``contact`` is that of the effect's sleeve, with all changes, or None."""
+        return ()
+
+    def change_excitation(self, excitation: FloatArray) -> FloatArray:
+        """(N,) the true excitation from the channel as measured."""
+        return excitation
+
+    def change_sensors(self, sensors: tuple[Sensor, ...]) -> tuple[Sensor, ...]:
+        """The sensors where they really are."""
+        return sensors
+
+    def change_channels(self, channels: FloatArray, measurement: Measurement) -> FloatArray:  # noqa: ARG002
+        """(n, N) the channels as read, from the true motion."""
+        return channels
+
+    def base_acceleration(self, time: FloatArray, free: Mapping[str, float]) -> FloatArray | None:  # noqa: ARG002
+        """(N,) an unmeasured acceleration of the base, m/s^2, or None."""
+        return None
+
+    def in_words(self) -> str:
+        """One line for the report: when it acts and what it does, in plain words."""
+        raise NotImplementedError
+
+    def label(self) -> str:
+        """Kind and place, as tables show it: ``squeeze_film at sleeve 2``."""
+        options = "".join(f" against {getattr(self, key)}" for key in self.options)
+        return f"{self.kind}{options} {self.place}".strip()
+
+    def fitted_values(self) -> FloatArray:
+        """(n,) the fitted parameters in a row; a vector parameter takes as many entries as it has."""
+        rows = [np.atleast_1d(getattr(self, name)) for name, about in self.parameters().items() if about.fitted]
+        return np.concatenate(rows).astype(float) if rows else np.empty(0)
+
+    def fitted_parameters(self) -> tuple[tuple[str, Parameter], ...]:
+        """(name, parameter) for each entry of ``fitted_values``."""
+        return tuple(
+            (name, about)
+            for name, about in self.parameters().items()
+            if about.fitted
+            for _ in np.atleast_1d(getattr(self, name))
+        )
+
+    def with_fitted(self, values: FloatArray) -> Self:
+        """The same effect with other values, in the order of ``fitted_values``."""
+        changes: dict[str, Any] = {}
+        start = 0
+        for name, about in self.parameters().items():
+            if not about.fitted:
+                continue
+            old = getattr(self, name)
+            if isinstance(old, tuple):
+                changes[name] = tuple(float(x) for x in values[start : start + len(old)])
+                start += len(old)
+            else:
+                changes[name] = float(values[start])
+                start += 1
+        return replace(self, **changes)
+
+
+def _own_fields(cls: type[Effect]) -> tuple[Field[Any], ...]:
+    return fields(cls)

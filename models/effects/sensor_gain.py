@@ -1,0 +1,40 @@
+"""A sensor that reads too much, too little, or upside down."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+from models.arrays import FloatArray
+from models.effects.protocol import Effect, Family, Measurement, PlaceKind, Scene, StructureKind, parameter
+
+
+@dataclass(frozen=True)
+class SensorGain(Effect):
+    """The channel reads ``gain`` times the truth; -1 is an inverted sensor."""
+
+    kind: ClassVar[str] = "sensor_gain"
+    family: ClassVar[Family] = "measurement"
+    places: ClassVar[tuple[PlaceKind, ...]] = ("sensor",)
+    structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
+    source: ClassVar[str] = "ISO 16063-21:2003, calibration of vibration transducers by comparison"
+
+    gain: float = parameter("g", "-", scale="linear", spread=1.0)
+
+    @classmethod
+    def trials(cls, scene: Scene) -> Iterator[Self]:
+        """Linear in the gain, so one value tells all."""
+        yield cls(scene.place, gain=0.9)
+
+    def change_channels(self, channels: FloatArray, measurement: Measurement) -> FloatArray:
+        """The channel times the gain."""
+        if self.place.sensor not in measurement.sensors:
+            return channels
+        changed = channels.copy()
+        changed[measurement.sensors.index(self.place.sensor)] *= self.gain
+        return changed
+
+    def in_words(self) -> str:
+        """When it acts and what it does."""
+        return "on one channel only, in proportion to the signal: a wrong sensitivity" + (
+            ", inverted" if self.gain < 0 else ""
+        )

@@ -1,0 +1,43 @@
+"""Grease in the gap of a sleeve that resists being squeezed out."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, parameter
+from models.ports import Contact, PointLaw, Port
+from models.structure import Structure
+
+
+@dataclass(frozen=True)
+class SqueezeFilm(Effect):
+    """F = -c v / (1 - r^2)^(3/2) with r = min(|q - offset| / clearance, 0.95), besides the contact."""
+
+    kind: ClassVar[str] = "squeeze_film"
+    family: ClassVar[Family] = "point force"
+    places: ClassVar[tuple[PlaceKind, ...]] = ("sleeve",)
+    source: ClassVar[str] = "short bearing: B. J. Hamrock, Fundamentals of Fluid Film Lubrication (1994), ch. 13"
+
+    damping: float = parameter("c_f", "N s/m", lower=0.0)
+
+    @classmethod
+    def trials(cls, scene: Scene) -> Iterator[Self]:
+        """Forces of 1, 10 and 100 % of the excitation at the place's rms speed."""
+        for share in (0.01, 0.1, 1.0):
+            yield cls(scene.place, damping=share * scene.force / scene.velocity)
+
+    @staticmethod
+    def force(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004
+        """Film force, N, with p = (damping, clearance, offset)."""
+        r = 0.95 if abs(q - p[2]) >= 0.95 * p[1] else abs(q - p[2]) / p[1]
+        return -p[0] * v / (1.0 - r * r) ** 1.5
+
+    def point_laws(self, contact: Contact | None, structure: Structure) -> tuple[PointLaw, ...]:  # noqa: ARG002
+        """The film at its sleeve."""
+        assert contact is not None
+        parameters = (self.damping, contact.clearance, contact.offset)
+        return (PointLaw(Port(contact.position), self.force, parameters, owner=self.label()),)
+
+    def in_words(self) -> str:
+        """When it acts and what it does."""
+        return "always, most when the beam is near the wall; energy lost grows with speed: grease squeezed out of the gap"

@@ -1,0 +1,19 @@
+"""The one error a user sees: what was given, what was expected, how to mend it."""
+
+
+class InputError(ValueError):
+    """Bad input, told in three parts.
+
+    Args:
+        given: where and what, e.g. ``rig.toml: sleeves[1].clearance = -0.0002 m``.
+        expected: the rule it breaks, e.g. ``a clearance is 0 or more``.
+        mend: what the reader can do, e.g. ``for a preload, use gap_offset``.
+    """
+
+    def __init__(self, given: str, expected: str, mend: str) -> None:
+        super().__init__(f"{given}; {expected}; {mend}")
+        self.given, self.expected, self.mend = given, expected, mend
+
+
+class DivergenceError(ArithmeticError):
+    """A simulation left the range of finite numbers; the message says when and what to change."""

@@ -1,0 +1,64 @@
+"""Where point laws act: linear functionals of the displacement field, and the laws attached to them."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from models.contact.protocol import ContactLaw
+from models.law import LawFunction
+
+Frame = Literal["base", "ground"]
+
+
+@dataclass(frozen=True)
+class Port:
+    """A place where a law reads the motion and returns a force: q = d^n u/dx^n at ``position``.
+
+    Attributes:
+        position: m from the clamp; None on an oscillator.
+        derivative: 0 displacement (force N), 1 slope (moment N m), 2 curvature (N m^2).
+        frame: whether q and v are relative to the base or absolute.
+    """
+
+    position: float | None
+    derivative: int = 0
+    frame: Frame = "base"
+
+
+@dataclass(frozen=True)
+class PointLaw:
+    """A force on the structure that depends on time and on the motion at one port.
+
+    Attributes:
+        port: where.
+        force: F(t, q, v, z, p), on the structure, positive along q.
+        parameters: p.
+        rate: dz/dt(t, q, v, z, p) of the internal state, or None; z is 0 at rest.
+        owner: what the report calls it, e.g. ``squeeze_film at sleeve 2``.
+    """
+
+    port: Port
+    force: LawFunction
+    parameters: tuple[float, ...]
+    rate: LawFunction | None = None
+    owner: str = ""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """One sleeve as the beam meets it: contact where p = |q - offset| - clearance(t) > 0, pushing back, never pulling.
+
+    Attributes:
+        sleeve: its name.
+        position: m from the clamp.
+        law: normal force from penetration and its rate; with no clearance it acts in both directions.
+        clearance: radial gap at the record's start, m.
+        offset: the sleeve's centre above the beam's unloaded axis, m.
+        clearance_rate: growth of the clearance, m/s.
+    """
+
+    sleeve: str
+    position: float
+    law: ContactLaw
+    clearance: float
+    offset: float = 0.0
+    clearance_rate: float = 0.0
