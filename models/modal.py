@@ -1,0 +1,175 @@
+"""The reduced modal model of a plant: a few modes, exact static flexibility at every port, and the state at rest."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import eigh
+
+from models.arrays import FloatArray
+from models.beam.assembly import BeamMatrices, assemble_beam, solve_static
+from models.plant import Plant
+from models.ports import Port
+from models.rest import RestState, find_rest
+from models.structure import Structure
+
+MIN_MODES = 8
+"""Dynamic modes kept at least; with the static shapes they reach 0.3 % on the reference rig (docs/theory.md)."""
+
+BAND_MARGIN = 1.5
+"""Modes are kept up to this many times the upper edge of the recorder's band."""
+
+SPARE_MODES = 16
+"""Clamped-free modes beyond those kept, from which modes of a changed beam are formed."""
+
+
+@dataclass(frozen=True, eq=False)
+class ModalModel:
+    """Modal equations q'' + C q' + omega^2 q = forces at ports, about the state at rest.
+
+    Attributes:
+        plant: the rig with its effects.
+        ports: where forces act: the point laws', then the contacts', each once.
+        omega: (n,) natural circular frequencies of the structure without sleeves, rad/s, the static shapes' last.
+        damping: (n, n) modal damping matrix, 1/s; diagonal unless dashpots or springs are attached.
+        carried: (n,) modal inertia against a base acceleration, sqrt(kg).
+        rest: the state at rest under gravity.
+    """
+
+    plant: Plant
+    ports: tuple[Port, ...]
+    omega: FloatArray
+    damping: FloatArray
+    carried: FloatArray
+    rest: RestState
+    _matrices: BeamMatrices | None = field(repr=False)
+    _modes: FloatArray = field(repr=False)
+
+    @property
+    def n(self) -> int:
+        """Modal coordinates."""
+        return len(self.omega)
+
+    def rows(self, position: float | None, derivative: int = 0) -> FloatArray:
+        """(n,) displacement (slope, curvature) at a position by modal coordinate; on an oscillator there is only one."""
+        if self._matrices is None:
+            return np.asarray(self._modes[0])
+        return np.asarray(self._matrices.rows(position or 0.0, derivative)[0] @ self._modes)
+
+    @cached_property
+    def port_rows(self) -> FloatArray:
+        """(n_ports, n) motion of the ports by modal coordinate."""
+        if not self.ports:
+            return np.empty((0, self.n))
+        return np.stack([self.rows(port.position, port.derivative) for port in self.ports])
+
+
+def build_modal(plant: Plant, band: float, n_modes: int | None = None) -> ModalModel:
+    """The modal model for motion up to a frequency.
+
+    Args:
+        plant: the rig with its effects.
+        band: highest frequency of interest, Hz, normally 0.43 fs.
+        n_modes: dynamic modes to keep; by default those below ``BAND_MARGIN`` times the band, ``MIN_MODES`` at least.
+    """
+    ports = _ports(plant)
+    if not plant.structure.is_beam:
+        return _oscillator(plant, ports)
+    concentrated = [port.position for port in ports if port.derivative == 0]
+    if plant.excitation is not None:
+        concentrated.append(plant.excitation.position)
+    loads = tuple(sorted({p for p in concentrated if p is not None}))
+    kept = n_modes if n_modes is not None else modes_below(plant.structure, BAND_MARGIN * band)
+    matrices = assemble_beam(plant.structure, kept + SPARE_MODES, loads)
+    modes, square = _reduce(matrices, kept, loads)
+    rest = find_rest(
+        plant,
+        ports,
+        sag=_port_rows(matrices, ports) @ solve_static(matrices.stiffness, matrices.weight),
+        flexibility=_flexibility(matrices, ports),
+    )
+    return ModalModel(
+        plant=plant,
+        ports=ports,
+        omega=np.sqrt(square),
+        damping=_tidy(modes.T @ matrices.damping @ modes),
+        carried=modes.T @ matrices.carried,
+        rest=rest,
+        _matrices=matrices,
+        _modes=modes,
+    )
+
+
+def modes_below(structure: Structure, freq: float) -> int:
+    """How many modes of the plain beam lie below a frequency, Hz, ``MIN_MODES`` at least."""
+    radius = np.sqrt(structure.bending_stiffness / (structure.line_mass * structure.length**4))
+    return max(MIN_MODES, int(np.sqrt(2.0 * np.pi * freq / radius) / np.pi + 0.5))
+
+
+def _ports(plant: Plant) -> tuple[Port, ...]:
+    return tuple(dict.fromkeys([*(law.port for law in plant.laws), *(Port(c.position) for c in plant.contacts)]))
+
+
+def _oscillator(plant: Plant, ports: tuple[Port, ...]) -> ModalModel:
+    structure = plant.structure
+    mass = structure.line_mass + sum(m for _, m in structure.masses)
+    stiffness = structure.bending_stiffness + sum(k for _, k in structure.springs)
+    own = structure.rayleigh[0] * structure.line_mass * structure.damping_scale
+    damping = own + sum(c for _, c in structure.dashpots)
+    flexibility = np.full((len(ports), len(ports)), 1.0 / stiffness if stiffness > 0 else 0.0)
+    sag = -mass * structure.gravity / stiffness if stiffness > 0 else 0.0
+    rest = find_rest(plant, ports, sag=np.full(len(ports), sag), flexibility=flexibility)
+    return ModalModel(
+        plant=plant,
+        ports=ports,
+        omega=np.array([np.sqrt(stiffness / mass)]),
+        damping=np.array([[damping / mass]]),
+        carried=np.array([np.sqrt(mass)]),
+        rest=rest,
+        _matrices=None,
+        _modes=np.array([[1.0 / np.sqrt(mass)]]),
+    )
+
+
+def _port_rows(matrices: BeamMatrices, ports: Sequence[Port]) -> FloatArray:
+    if not ports:
+        return np.empty((0, len(matrices.weight)))
+    return np.vstack([matrices.rows(port.position or 0.0, port.derivative) for port in ports])
+
+
+def _flexibility(matrices: BeamMatrices, ports: Sequence[Port]) -> FloatArray:
+    rows = _port_rows(matrices, ports)
+    return rows @ solve_static(matrices.stiffness, rows.T) if len(rows) else np.empty((0, 0))
+
+
+def _reduce(matrices: BeamMatrices, kept: int, loads: tuple[float, ...]) -> tuple[FloatArray, FloatArray]:
+    """(n_ritz, n) mass-normalised modes and (n,) squared frequencies: the lowest ``kept``, then the residual shapes.
+
+    The residual shapes are the static deflections under loads at the ports less what the kept modes give; the reduced
+    eigenvalue problem keeps the flexibility there exact.
+    """
+    square, phi = eigh(matrices.stiffness, matrices.mass)
+    if not loads:
+        return phi[:, :kept], square[:kept]
+    rows = matrices.rows(np.array(loads))
+    rest, rest_square = phi[:, kept:], square[kept:]
+    residual = (rest / rest_square) @ (rest.T @ rows.T)
+    energy, direction = eigh(residual.T @ matrices.stiffness @ residual)
+    keep = energy > RESIDUAL_DROP * energy[-1]
+    residual = residual @ (direction[:, keep] / np.sqrt(energy[keep]))
+    inertia, direction = eigh(residual.T @ matrices.mass @ residual)
+    residual = residual @ (direction / np.sqrt(inertia))
+    return np.hstack([phi[:, :kept], residual]), np.concatenate([square[:kept], 1.0 / inertia])
+
+
+def _tidy(matrix: FloatArray) -> FloatArray:
+    """Without the round-off that would make a proportional damping look coupled."""
+    size = np.sqrt(np.abs(np.outer(np.diag(matrix), np.diag(matrix))))
+    return np.where(np.abs(matrix) > COUPLING_ROUND_OFF * size, matrix, 0.0)
+
+
+RESIDUAL_DROP = 1e-9
+"""Residual shapes with a smaller share of the largest one's energy repeat another port."""
+
+COUPLING_ROUND_OFF = 1e-9
