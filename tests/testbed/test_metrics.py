@@ -183,7 +183,7 @@ def test_what_has_no_scale_is_refused():
     dead[2] = 0.0
     with pytest.raises(InputError, match=r"zeros \(row 2\); .*; leave the dead channel out"):
         metrics.mre(random_frfs(1), dead)
-    with pytest.raises(InputError, match="no records; .*; name a record"):
+    with pytest.raises(InputError, match=r"no records; .*; name a record"):
         metrics.overall_nrmse([])
 
 
