@@ -37,6 +37,14 @@ class ContactLaw(ABC):
     def values(self) -> tuple[float, ...]:
         """The law's numbers in the order in which ``normal_force`` reads them."""
 
+    def elastic(self, p: float) -> float:
+        """Force, N, at a penetration p (m) that stands still, at the record's start."""
+        return self.normal_force(0.0, p, 0.0, 0.0, self.values)
+
+    def damping_at(self, p: float, p_rate: float) -> float:
+        """Damping, N s/m, at a penetration p (m) that grows at p_rate (m/s), at the record's start."""
+        return (self.normal_force(0.0, p, p_rate, 0.0, self.values) - self.elastic(p)) / p_rate
+
     def stiffer(self, ratio: float) -> Self:
         """The same law with its elastic part multiplied by ``ratio``."""
         return replace(self, stiffness=self.stiffness * ratio)

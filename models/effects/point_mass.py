@@ -10,7 +10,7 @@ from models.structure import Structure
 
 @dataclass(frozen=True)
 class PointMass(Effect):
-    """A point mass, weight included."""
+    """F = -mass (acceleration + gravity), with the absolute acceleration."""
 
     kind: ClassVar[str] = "point_mass"
     family: ClassVar[Family] = "structure"
@@ -22,9 +22,9 @@ class PointMass(Effect):
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:
-        """1 and 10 % of the structure's mass."""
+        """1, 5 and 25 % of the structure's mass."""
         total = scene.structure.line_mass * (scene.structure.length or 1.0)
-        for share in (0.01, 0.1):
+        for share in (0.01, 0.05, 0.25):
             yield cls(scene.place, mass=share * total)
 
     def change_structure(self, structure: Structure) -> Structure:
@@ -33,4 +33,4 @@ class PointMass(Effect):
 
     def in_words(self) -> str:
         """When it acts and what it does."""
-        return "in proportion to acceleration, at every amplitude: a mass that moves with the beam"
+        return f"in proportion to acceleration, at every amplitude: {self.mass:.3g} kg more that move along"

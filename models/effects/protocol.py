@@ -14,7 +14,7 @@ from typing import Any, ClassVar, Literal, Self
 import numpy as np
 
 from models.arrays import FloatArray
-from models.ports import Contact, PointLaw
+from models.ports import Contact, Frame, PointLaw, Port
 from models.rig import Sensor
 from models.structure import Structure
 
@@ -55,6 +55,7 @@ class Parameter:
         scale: ``log`` for a positive scale parameter, ``linear`` otherwise.
         spread: one standard deviation of the prior, in e-folds (log) or in the parameter's own unit (linear).
         fitted: False for a number that the data do not determine (a width, the times of a table).
+        table: a tuple of numbers instead of one.
     """
 
     symbol: str
@@ -64,6 +65,7 @@ class Parameter:
     scale: Scale = "log"
     spread: float = 2.0
     fitted: bool = True
+    table: bool = False
 
 
 def parameter(
@@ -75,16 +77,20 @@ def parameter(
     scale: Scale = "log",
     spread: float = 2.0,
     fitted: bool = True,
+    table: bool = False,
     default: Any = MISSING,
 ) -> Any:
     """A dataclass field that is a parameter of an effect (see ``Parameter``)."""
-    about = Parameter(symbol, unit, lower, upper, scale, spread, fitted)
+    about = Parameter(symbol, unit, lower, upper, scale, spread, fitted, table)
     return field(metadata={"parameter": about}, default=default)
 
 
 @dataclass(frozen=True)
 class Scene:
     """What the given model says about the motion at a place, from which an effect chooses trial values.
+
+    Displacement, velocity, force and duration are positive, whatever the record; without an excitation channel the
+    force is the modal mass times the acceleration.
 
     Attributes:
         place: where the effect would sit.
@@ -136,7 +142,8 @@ class Effect(ABC):
         source: citation.
         options: keys that choose a variant, each with its values, the default first; they are fields too.
         record_parameters: numbers that every record has for itself (a phase), by name.
-        unique: at most one of this kind can sit at a place (two springs in parallel are one spring).
+        unique: at most one of this kind can sit at a place (two springs in parallel are one spring; two absorbers of
+            different frequencies are two).
     """
 
     kind: ClassVar[str]
@@ -146,6 +153,7 @@ class Effect(ABC):
     source: ClassVar[str]
     options: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     record_parameters: ClassVar[Mapping[str, Parameter]] = {}
+    unique: ClassVar[bool] = True
 
     place: Place
 
@@ -192,6 +200,10 @@ class Effect(ABC):
     def base_acceleration(self, time: FloatArray, free: Mapping[str, float]) -> FloatArray | None:  # noqa: ARG002
         """(N,) an unmeasured acceleration of the base, m/s^2, or None."""
         return None
+
+    def port(self, contact: Contact | None, frame: Frame = "base") -> Port:
+        """Where the effect's force acts: at its sleeve's contact, else at its position (None on an oscillator)."""
+        return Port(self.place.position if contact is None else contact.position, frame=frame)
 
     def in_words(self) -> str:
         """One line for the report: when it acts and what it does, in plain words."""

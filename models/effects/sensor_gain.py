@@ -18,7 +18,7 @@ class SensorGain(Effect):
     structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
     source: ClassVar[str] = "ISO 16063-21:2003, calibration of vibration transducers by comparison"
 
-    gain: float = parameter("g", "-", scale="linear", spread=1.0)
+    gain: float = parameter("g", "-", lower=-1e4, upper=1e4, scale="linear", spread=1.0)
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:
@@ -35,6 +35,5 @@ class SensorGain(Effect):
 
     def in_words(self) -> str:
         """When it acts and what it does."""
-        return "on one channel only, in proportion to the signal: a wrong sensitivity" + (
-            ", inverted" if self.gain < 0 else ""
-        )
+        turned = ", upside down" if self.gain < 0 else ""
+        return f"on one channel only, at every amplitude: it reads {abs(self.gain):.3g} times the truth{turned}"

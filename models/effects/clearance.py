@@ -1,0 +1,44 @@
+"""A gap that is not as wide as the rig file says."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
+
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, parameter
+from models.ports import Contact
+
+
+@dataclass(frozen=True)
+class Clearance(Effect):
+    """Contact where the penetration p = |q - offset| - clearance is positive, in place of the rig's clearance."""
+
+    kind: ClassVar[str] = "clearance"
+    family: ClassVar[Family] = "point force"
+    places: ClassVar[tuple[PlaceKind, ...]] = ("sleeve",)
+    source: ClassVar[str] = "S. W. Shaw, P. J. Holmes, J. Sound Vib. 90 (1983) 129: the piecewise linear oscillator"
+
+    clearance: float = parameter("d", "m", lower=0.0, spread=0.7)
+
+    @classmethod
+    def trials(cls, scene: Scene) -> Iterator[Self]:
+        """Gaps from 0.6 to 1.6 times the given one; where none is given, shares of the largest displacement."""
+        assert scene.contact is not None
+        if scene.contact.clearance > 0:
+            gap, ratios = scene.contact.clearance, (0.6, 0.85, 1.2, 1.6)
+        else:
+            gap, ratios = scene.displacement, (0.03, 0.1, 0.3, 0.8)
+        for ratio in ratios:
+            yield cls(scene.place, clearance=ratio * gap)
+
+    def change_contact(self, contact: Contact) -> Contact:
+        """The contact with this clearance."""
+        return replace(contact, clearance=self.clearance)
+
+    def in_words(self) -> str:
+        """When it acts and what it does."""
+        if self.clearance == 0:
+            return "at every amplitude: the sleeve holds the beam without any gap"
+        return (
+            f"only when the beam is more than {1e3 * self.clearance:.3g} mm off the sleeve's centre: contact begins there, "
+            "not where the rig file says"
+        )

@@ -1,0 +1,34 @@
+"""A contact that is stiffer or softer than the rig file says."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
+
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, parameter
+from models.ports import Contact
+
+
+@dataclass(frozen=True)
+class ContactStiffness(Effect):
+    """The elastic part of the contact's force is multiplied by ``ratio``; its damping stays."""
+
+    kind: ClassVar[str] = "contact_stiffness"
+    family: ClassVar[Family] = "point force"
+    places: ClassVar[tuple[PlaceKind, ...]] = ("sleeve",)
+    source: ClassVar[str] = "K. L. Johnson, Contact Mechanics (1985), chapter 11"
+
+    ratio: float = parameter("r_k", "-", lower=1e-3, upper=1e3, spread=1.0)
+
+    @classmethod
+    def trials(cls, scene: Scene) -> Iterator[Self]:
+        """From half to twice the given stiffness."""
+        for ratio in (0.5, 0.8, 1.25, 2.0):
+            yield cls(scene.place, ratio=ratio)
+
+    def change_contact(self, contact: Contact) -> Contact:
+        """The contact with the stiffer law."""
+        return replace(contact, law=contact.law.stiffer(self.ratio))
+
+    def in_words(self) -> str:
+        """When it acts and what it does."""
+        return f"only in contact: the sleeve's spring is {self.ratio:.3g} times as stiff as the rig file says"

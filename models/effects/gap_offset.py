@@ -1,0 +1,41 @@
+"""A sleeve whose centre is off the beam's axis, so that the gap is lopsided."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
+
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, parameter
+from models.ports import Contact
+
+
+@dataclass(frozen=True)
+class GapOffset(Effect):
+    """The penetration is p = |q - offset| - clearance; with no clearance, a preload."""
+
+    kind: ClassVar[str] = "gap_offset"
+    family: ClassVar[Family] = "point force"
+    places: ClassVar[tuple[PlaceKind, ...]] = ("sleeve",)
+    source: ClassVar[str] = "F. C. Moon, S. W. Shaw, Int. J. Non-Linear Mech. 18 (1983) 465: a beam with one stop"
+
+    # A millimetre is many times any clearance: the prior knows neither side nor size.
+    offset: float = parameter("u_0", "m", lower=-0.1, upper=0.1, scale="linear", spread=1e-3)
+
+    @classmethod
+    def trials(cls, scene: Scene) -> Iterator[Self]:
+        """15, 50 and 100 % of the clearance to either side; where there is none, of the largest displacement."""
+        assert scene.contact is not None
+        gap = scene.contact.clearance or scene.displacement
+        for share in (0.15, -0.15, 0.5, -0.5, 1.0, -1.0):
+            yield cls(scene.place, offset=share * gap)
+
+    def change_contact(self, contact: Contact) -> Contact:
+        """The contact around this centre."""
+        return replace(contact, offset=self.offset)
+
+    def in_words(self) -> str:
+        """When it acts and what it does."""
+        wide, tight = ("upper", "lower") if self.offset > 0 else ("lower", "upper")
+        return (
+            f"only near the walls, and not alike on both sides: the {wide} gap is {1e3 * abs(self.offset):.3g} mm "
+            f"wider than the clearance, the {tight} one as much narrower"
+        )

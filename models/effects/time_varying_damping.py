@@ -1,0 +1,64 @@
+"""A contact whose damping changes during the record: grease that moves, warms or leaves."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
+
+from models.contact.time_varying import TimeVarying
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, parameter
+from models.errors import InputError
+from models.ports import Contact
+
+
+@dataclass(frozen=True)
+class TimeVaryingDamping(Effect):
+    """The contact's damping is c(t), straight between the values and constant outside; its spring stays.
+
+    Raises:
+        InputError: times that do not grow, or not one value for each.
+    """
+
+    kind: ClassVar[str] = "time_varying_damping"
+    family: ClassVar[Family] = "time"
+    places: ClassVar[tuple[PlaceKind, ...]] = ("sleeve",)
+    source: ClassVar[str] = "Actuators 14 (2025) 58, section 2: damping of a greased clearance as a function of time"
+
+    times: tuple[float, ...] = parameter("t_i", "s", lower=0.0, scale="linear", fitted=False, table=True)
+    values: tuple[float, ...] = parameter("c_i", "N s/m", lower=0.0, spread=1.0, table=True)
+
+    def __post_init__(self) -> None:
+        if not self.times or len(self.times) != len(self.values):
+            raise InputError(
+                f"{self.label()}: {len(self.times)} times and {len(self.values)} values",
+                "a table has one value for each of its times, and at least one",
+                "give both lists the same length",
+            )
+        if any(later <= earlier for earlier, later in zip(self.times, self.times[1:], strict=False)):
+            raise InputError(
+                f"{self.label()}: times = {list(self.times)}",
+                "the times of a table grow",
+                "sort the times, each with its value",
+            )
+
+    @classmethod
+    def trials(cls, scene: Scene) -> Iterator[Self]:
+        """Rising, falling, hump and dip over the longest record, from 0.3 to 3 times the present damping."""
+        assert scene.contact is not None
+        law = scene.contact.law
+        present = law.damping_at(scene.penetration, scene.velocity) or scene.force / scene.velocity
+        for shape in ((0.3, 3.0), (3.0, 0.3), (0.5, 3.0, 0.5), (2.0, 0.3, 2.0), (0.3, 1.0, 3.0, 1.0, 0.3)):
+            spacing = scene.duration / (len(shape) - 1)
+            yield cls(
+                scene.place,
+                times=tuple(i * spacing for i in range(len(shape))),
+                values=tuple(ratio * present for ratio in shape),
+            )
+
+    def change_contact(self, contact: Contact) -> Contact:
+        """The contact with the table as its dashpot."""
+        return replace(contact, law=TimeVarying(contact.law.stiffness, self.times, self.values))
+
+    def in_words(self) -> str:
+        """When it acts and what it does."""
+        table = ", ".join(f"{c:.3g} at {t:.3g} s" for t, c in zip(self.times, self.values, strict=True))
+        return f"only in contact, and not always alike: the damping is {table} (N s/m)"
