@@ -3,11 +3,12 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from difflib import get_close_matches
+from math import inf
 from typing import Any
 
 from models.effects.protocol import Effect, Parameter, Place
 from models.errors import InputError
-from models.rig import EffectEntry, Rig
+from models.rig import Beam, EffectEntry, Rig
 
 
 def build_effect(entry: EffectEntry, rig: Rig, registry: Mapping[str, type[Effect]]) -> Effect:
@@ -21,21 +22,21 @@ def build_effect(entry: EffectEntry, rig: Rig, registry: Mapping[str, type[Effec
     Raises:
         InputError: an unknown kind, a wrong place, an unknown or missing key, a value outside its bounds.
     """
+    table = f"effects[{rig.effects.index(entry)}]" if entry in rig.effects else "effects"
     cls = registry.get(entry.kind)
     if cls is None:
-        near = get_close_matches(entry.kind, registry, n=1)
         raise InputError(
-            f"effects: kind = {entry.kind!r}",
+            f'{table}.kind = "{entry.kind}"',
             f"the library has {', '.join(sorted(registry))}",
-            f"did you mean {near[0]!r}?" if near else "see the list of effects in the documentation",
+            _nearest(entry.kind, registry) or "choose one of them",
         )
     if rig.structure.kind not in cls.structures:
         raise InputError(
-            f"effects: {entry.kind} on structure.kind = {rig.structure.kind!r}",
-            f"{entry.kind} acts on {' and '.join(cls.structures)}",
+            f'{table}.kind = "{entry.kind}" on structure.kind = "{rig.structure.kind}"',
+            f"{entry.kind} acts on {' and '.join(f'{kind}s' for kind in cls.structures)} only",
             "remove this effect or change the structure",
         )
-    return cls(place=_place(entry, cls, rig), **_settings(entry, cls))
+    return cls(place=_place(table, entry, cls, rig), **_settings(table, entry, cls))
 
 
 def entry_of(effect: Effect) -> EffectEntry:
@@ -51,73 +52,106 @@ def _without_none(table: Mapping[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in table.items() if value is not None}
 
 
-def _place(entry: EffectEntry, cls: type[Effect], rig: Rig) -> Place:
-    given = _without_none({"sleeve": entry.sleeve, "position": entry.position, "sensor": entry.sensor})
+def _nearest(word: str, known: Mapping[str, Any]) -> str:
+    near = get_close_matches(word, known, n=1)
+    return f'did you mean "{near[0]}"?' if near else ""
+
+
+def _place(table: str, entry: EffectEntry, cls: type[Effect], rig: Rig) -> Place:
+    # Beside a sensor a position is the kind's own key, not its place.
+    position = entry.position if entry.sensor is None else None
+    given = _without_none({"sleeve": entry.sleeve, "position": position, "sensor": entry.sensor})
     allowed = tuple(p for p in cls.places if rig.structure.kind == "beam" or p == "sensor")
     if len(given) != (1 if allowed else 0) or any(key not in allowed for key in given):
+        shown = " and ".join(f"{key} = {_shown(value)}" for key, value in given.items())
         raise InputError(
-            f"effects: {entry.kind} with {', '.join(f'{k} = {v!r}' for k, v in given.items()) or 'no place'}",
-            f"{entry.kind} takes exactly one of {', '.join(allowed)}" if allowed else f"{entry.kind} takes no place",
-            "see the table of effects for the place it takes",
+            f"{table}: {entry.kind} with {shown or 'no place'}",
+            _rule_of_places(entry.kind, allowed, rig),
+            f"give {' or '.join(allowed)}" if allowed else f"remove {' and '.join(given)}",
         )
     if entry.sleeve is not None:
-        return Place(sleeve=entry.sleeve, position=_named(rig.sleeves, entry.sleeve, entry.kind, "sleeve").position)
+        sleeve = _named(table, "sleeve", entry.sleeve, rig.sleeves)
+        return Place(sleeve=entry.sleeve, position=sleeve.position)
     if entry.sensor is not None:
-        _named(rig.sensors, entry.sensor, entry.kind, "sensor")
-        return Place(sensor=entry.sensor)
-    if entry.position is not None and rig.structure.kind == "beam" and entry.position > rig.structure.length:
+        return Place(sensor=_named(table, "sensor", entry.sensor, rig.sensors).name)
+    if position is not None and isinstance(rig.structure, Beam) and position > rig.structure.length:
         raise InputError(
-            f"effects: {entry.kind} at position = {entry.position:g} m",
+            f"{table}.position = {position:g} m",
             f"the beam ends at {rig.structure.length:g} m",
             "give a position between the clamp and the free end",
         )
-    return Place(position=entry.position)
+    return Place(position=position)
 
 
-def _named(parts: tuple[Any, ...], name: str, kind: str, what: str) -> Any:
+def _rule_of_places(kind: str, allowed: tuple[str, ...], rig: Rig) -> str:
+    if allowed:
+        return f"{kind} takes {'one of ' if len(allowed) > 1 else 'one '}{', '.join(allowed)}"
+    return f"{kind} takes no place" if isinstance(rig.structure, Beam) else f"on an oscillator {kind} takes no place"
+
+
+def _named(table: str, key: str, name: str, parts: tuple[Any, ...]) -> Any:
     for part in parts:
         if part.name == name:
             return part
-    names = ", ".join(repr(part.name) for part in parts) or "none"
-    raise InputError(f"effects: {kind} with {what} = {name!r}", f"the rig's {what}s are {names}", "name one of them")
+    names = ", ".join(f'"{part.name}"' for part in parts) or "none"
+    raise InputError(f'{table}.{key} = "{name}"', f"the rig's {key}s are {names}", "name one of them")
 
 
-def _settings(entry: EffectEntry, cls: type[Effect]) -> dict[str, Any]:
+def _settings(table: str, entry: EffectEntry, cls: type[Effect]) -> dict[str, Any]:
     parameters, given = cls.parameters(), entry.settings
-    known = [*cls.options, *parameters]
+    known: dict[str, Any] = {**cls.options, **parameters}
     for key in given:
         if key not in known:
-            near = get_close_matches(key, known, n=1)
             raise InputError(
-                f"effects: {entry.kind}.{key}",
-                f"{entry.kind} has {', '.join(known) or 'no keys'}",
-                f"did you mean {near[0]!r}?" if near else "remove it",
+                f"{table}.{key} = {_shown(given[key])}",
+                f"{entry.kind} has {', '.join(known)}",
+                _nearest(key, known) or f"remove {key}",
             )
     settings: dict[str, Any] = {}
     for key, choices in cls.options.items():
-        settings[key] = _option(entry.kind, key, given.get(key, choices[0]), choices)
+        settings[key] = _option(f"{table}.{key}", given.get(key, choices[0]), choices)
     for key, about in parameters.items():
         if key in given:
-            settings[key] = _value(entry.kind, key, given[key], about)
+            settings[key] = _value(table, entry.kind, key, given[key], about)
         elif not cls.has_default(key):
-            raise InputError(f"effects: {entry.kind} without {key}", f"it needs {', '.join(parameters)}", f"add {key}")
+            unit = "" if about.unit == "-" else f", in {about.unit}"
+            raise InputError(
+                f"{table}: {entry.kind} without {key}", f"it needs {', '.join(parameters)}", f"add {key}{unit}"
+            )
     return settings
 
 
-def _option(kind: str, key: str, value: Any, choices: tuple[str, ...]) -> str:
+def _option(key: str, value: Any, choices: tuple[str, ...]) -> str:
     if value not in choices:
-        raise InputError(f"effects: {kind}.{key} = {value!r}", f"{key} is one of {', '.join(choices)}", "choose one")
+        raise InputError(f"{key} = {_shown(value)}", f"it is one of {', '.join(choices)}", "choose one of them")
     return str(value)
 
 
-def _value(kind: str, key: str, value: Any, about: Parameter) -> float | tuple[float, ...]:
-    numbers = value if isinstance(value, (list, tuple)) else [value]
-    for number in numbers:
-        is_number = isinstance(number, (int, float)) and not isinstance(number, bool)
-        if not is_number or not about.lower <= number <= about.upper:
-            raise InputError(
-                f"effects: {kind}.{key} = {number!r}",
-                f"a number between {about.lower:g} and {about.upper:g}, {about.unit}",
-                "correct the value",
-            )
-    return tuple(float(n) for n in numbers) if isinstance(value, (list, tuple)) else float(value)
+def _value(table: str, kind: str, key: str, value: Any, about: Parameter) -> float | tuple[float, ...]:
+    is_table = isinstance(value, list | tuple)
+    numbers = tuple(value) if is_table else (value,)
+    if is_table == about.table and all(_is_within(number, about) for number in numbers):
+        return tuple(float(number) for number in numbers) if is_table else float(value)
+    raise InputError(
+        f"{table}.{key} = {_shown(value)}",
+        f"{kind}'s {key} is {'a list of numbers, each' if about.table else 'one number,'} {_rule_of_bounds(about)}",
+        "correct the value",
+    )
+
+
+def _is_within(number: Any, about: Parameter) -> bool:
+    is_number = isinstance(number, int | float) and not isinstance(number, bool)
+    return is_number and about.lower <= number <= about.upper
+
+
+def _rule_of_bounds(about: Parameter) -> str:
+    unit = "" if about.unit == "-" else f" {about.unit}"
+    if about.upper < inf:
+        return f"between {about.lower:g} and {about.upper:g}{unit}"
+    return f"of at least {about.lower:g}{unit}" if about.lower > -inf else "of any size"
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(_shown(item) for item in value)}]"
+    return f'"{value}"' if isinstance(value, str) else f"{value}"

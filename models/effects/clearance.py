@@ -39,6 +39,6 @@ class Clearance(Effect):
         if self.clearance == 0:
             return "at every amplitude: the sleeve holds the beam without any gap"
         return (
-            f"only when the beam is more than {1e3 * self.clearance:.3g} mm off the sleeve's centre: contact begins there, "
-            "not where the rig file says"
+            f"only when the beam is more than {1e3 * self.clearance:.3g} mm off the sleeve's centre: contact "
+            "begins there, not where the rig file says"
         )
