@@ -19,7 +19,7 @@ class BoucWen(Effect):
     structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
     source: ClassVar[str] = "Y.-K. Wen, J. Eng. Mech. Div. ASCE 102 (1976) 249, with A = 1 and beta = gamma = 0.5"
 
-    force: float = parameter("F_h", "N", lower=0.0)
+    force: float = parameter("F_h", "N", lower=0.0, neutral=0.0)
     yield_displacement: float = parameter("u_y", "m", lower=1e-12, spread=1.5)
     exponent: float = parameter("n", "-", lower=1.0, upper=4.0, spread=0.4)
 

@@ -2,10 +2,15 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from math import inf
 from typing import ClassVar, Self
 
 from models.effects.protocol import Effect, Family, Scene, parameter
 from models.structure import Structure
+
+BUILT_IN = 1e6
+"""Times E I / L; a stiffer clamp counts as this, 2e-6 below the built-in end's natural frequencies, because the assumed
+shapes lose their digits to a much stiffer one."""
 
 
 @dataclass(frozen=True)
@@ -16,7 +21,7 @@ class ClampCompliance(Effect):
     family: ClassVar[Family] = "structure"
     source: ClassVar[str] = "M. J. Maurizi, R. E. Rossi, J. A. Reyes, J. Sound Vib. 48 (1976) 565"
 
-    rotational_stiffness: float = parameter("k_r", "N m/rad", lower=1e-6)
+    rotational_stiffness: float = parameter("k_r", "N m/rad", lower=1e-6, neutral=inf)
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:
@@ -27,7 +32,8 @@ class ClampCompliance(Effect):
 
     def change_structure(self, structure: Structure) -> Structure:
         """The beam on the rotational spring."""
-        return replace(structure, clamp_stiffness=self.rotational_stiffness)
+        stiffest = BUILT_IN * structure.bending_stiffness / structure.length
+        return replace(structure, clamp_stiffness=min(self.rotational_stiffness, stiffest))
 
     def in_words(self) -> str:
         """When it acts and what it does."""

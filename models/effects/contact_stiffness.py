@@ -17,7 +17,7 @@ class ContactStiffness(Effect):
     places: ClassVar[tuple[PlaceKind, ...]] = ("sleeve",)
     source: ClassVar[str] = "K. L. Johnson, Contact Mechanics (1985), chapter 11"
 
-    ratio: float = parameter("r_k", "-", lower=1e-3, upper=1e3, spread=1.0)
+    ratio: float = parameter("r_k", "-", lower=1e-3, upper=1e3, spread=1.0, neutral=1.0)
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:

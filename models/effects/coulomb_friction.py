@@ -21,7 +21,7 @@ class CoulombFriction(Effect):
     source: ClassVar[str] = "S. Andersson, A. Soderberg, S. Bjorklund, Tribol. Int. 40 (2007) 580, section 4"
     options: ClassVar[Mapping[str, tuple[str, ...]]] = {"against": ("base", "ground")}
 
-    friction_force: float = parameter("F_c", "N", lower=0.0)
+    friction_force: float = parameter("F_c", "N", lower=0.0, neutral=0.0)
     slip_velocity: float = parameter("v_s", "m/s", lower=1e-9)
     against: Frame = "base"
 

@@ -19,7 +19,7 @@ class CubicStiffness(Effect):
     structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
     source: ClassVar[str] = "A. H. Nayfeh, D. T. Mook, Nonlinear Oscillations (1979), section 4.1"
 
-    stiffness: float = parameter("k_3", "N/m^3", lower=0.0)
+    stiffness: float = parameter("k_3", "N/m^3", lower=0.0, neutral=0.0)
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:

@@ -17,7 +17,7 @@ class ForceGain(Effect):
     structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
     source: ClassVar[str] = "ISO 7626-1:2011, calibration of transducers for mechanical mobility"
 
-    gain: float = parameter("g_F", "-", lower=1e-4, upper=1e4, spread=0.5)
+    gain: float = parameter("g_F", "-", lower=1e-4, upper=1e4, spread=0.5, neutral=1.0)
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:

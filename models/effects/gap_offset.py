@@ -18,7 +18,7 @@ class GapOffset(Effect):
     source: ClassVar[str] = "F. C. Moon, S. W. Shaw, Int. J. Non-Linear Mech. 18 (1983) 465: a beam with one stop"
 
     # A millimetre is many times any clearance: the prior knows neither side nor size.
-    offset: float = parameter("u_0", "m", lower=-0.1, upper=0.1, scale="linear", spread=1e-3)
+    offset: float = parameter("u_0", "m", lower=-0.1, upper=0.1, scale="linear", spread=1e-3, neutral=0.0)
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:

@@ -20,7 +20,7 @@ class ModalDamping(Effect):
     structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
     source: ClassVar[str] = "T. K. Caughey, J. Appl. Mech. 27 (1960) 269: classical normal modes in damped systems"
 
-    ratio: float = parameter("r_zeta", "-", lower=0.0, upper=1e3, spread=1.0)
+    ratio: float = parameter("r_zeta", "-", lower=0.0, upper=1e3, spread=1.0, neutral=1.0)
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:

@@ -18,7 +18,7 @@ class PointDamping(Effect):
     structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
     source: ClassVar[str] = "G. Oliveto, A. Santini, E. Tripodi, J. Sound Vib. 200 (1997) 327: beams with dashpots"
 
-    damping: float = parameter("c", "N s/m", lower=0.0)
+    damping: float = parameter("c", "N s/m", lower=0.0, neutral=0.0)
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:

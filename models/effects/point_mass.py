@@ -18,7 +18,7 @@ class PointMass(Effect):
     structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
     source: ClassVar[str] = "L. Meirovitch, Fundamentals of Vibrations (2001), section 8.6"
 
-    mass: float = parameter("m", "kg", lower=0.0)
+    mass: float = parameter("m", "kg", lower=0.0, neutral=0.0)
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:

@@ -18,7 +18,7 @@ class PointStiffness(Effect):
     structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
     source: ClassVar[str] = "E. H. Dowell, J. Appl. Mech. 46 (1979) 206: combined dynamical systems"
 
-    stiffness: float = parameter("k", "N/m", lower=0.0)
+    stiffness: float = parameter("k", "N/m", lower=0.0, neutral=0.0)
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:

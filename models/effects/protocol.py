@@ -56,6 +56,8 @@ class Parameter:
         spread: one standard deviation of the prior, in e-folds (log) or in the parameter's own unit (linear).
         fitted: False for a number that the data do not determine (a width, the times of a table).
         table: a tuple of numbers instead of one.
+        neutral: value at which the effect is not there, and from which its size is proportional to the distance (from
+            infinity: to the inverse); None where there is no such value.
     """
 
     symbol: str
@@ -66,6 +68,7 @@ class Parameter:
     spread: float = 2.0
     fitted: bool = True
     table: bool = False
+    neutral: float | None = None
 
 
 def parameter(
@@ -78,10 +81,11 @@ def parameter(
     spread: float = 2.0,
     fitted: bool = True,
     table: bool = False,
+    neutral: float | None = None,
     default: Any = MISSING,
 ) -> Any:
     """A dataclass field that is a parameter of an effect (see ``Parameter``)."""
-    about = Parameter(symbol, unit, lower, upper, scale, spread, fitted, table)
+    about = Parameter(symbol, unit, lower, upper, scale, spread, fitted, table, neutral)
     return field(metadata={"parameter": about}, default=default)
 
 
@@ -204,6 +208,20 @@ class Effect(ABC):
     def port(self, contact: Contact | None, frame: Frame = "base") -> Port:
         """Where the effect's force acts: at its sleeve's contact, else at its position (None on an oscillator)."""
         return Port(self.place.position if contact is None else contact.position, frame=frame)
+
+    def scaled(self, factor: float) -> Self:
+        """The same effect, ``factor`` times as large, as far as its parameters have a neutral value."""
+        values = self.fitted_values()
+        for i, (_, about) in enumerate(self.fitted_parameters()):
+            if about.neutral is None:
+                continue
+            away = values[i] / factor if about.neutral == inf else about.neutral + factor * (values[i] - about.neutral)
+            values[i] = min(max(away, about.lower), about.upper)
+        return self.with_fitted(values)
+
+    def refined(self) -> Iterator[Self]:
+        """The same effect described in more detail, where its parameters allow (a table with more entries)."""
+        return iter(())
 
     def in_words(self) -> str:
         """One line for the report: when it acts and what it does, in plain words."""

@@ -18,7 +18,7 @@ class SensorGain(Effect):
     structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
     source: ClassVar[str] = "ISO 16063-21:2003, calibration of vibration transducers by comparison"
 
-    gain: float = parameter("g", "-", lower=-1e4, upper=1e4, scale="linear", spread=1.0)
+    gain: float = parameter("g", "-", lower=-1e4, upper=1e4, scale="linear", spread=1.0, neutral=1.0)
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:

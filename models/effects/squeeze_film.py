@@ -19,7 +19,7 @@ class SqueezeFilm(Effect):
     places: ClassVar[tuple[PlaceKind, ...]] = ("sleeve",)
     source: ClassVar[str] = "J. F. Booker, CRC Handbook of Lubrication II (1983) 121: full film, long bearing"
 
-    damping: float = parameter("c_f", "N s/m", lower=0.0)
+    damping: float = parameter("c_f", "N s/m", lower=0.0, neutral=0.0)
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:

@@ -4,6 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
+import numpy as np
+
 from models.contact.time_varying import TimeVarying
 from models.effects.protocol import Effect, Family, PlaceKind, Scene, parameter
 from models.errors import InputError
@@ -53,6 +55,11 @@ class TimeVaryingDamping(Effect):
                 times=tuple(i * spacing for i in range(len(shape))),
                 values=tuple(ratio * present for ratio in shape),
             )
+
+    def refined(self) -> Iterator[Self]:
+        """The table with one more entry between each two."""
+        knots = np.linspace(self.times[0], self.times[-1], 2 * len(self.times) - 1)
+        yield replace(self, times=tuple(knots), values=tuple(np.interp(knots, self.times, self.values)))
 
     def change_contact(self, contact: Contact) -> Contact:
         """The contact with the table as its dashpot."""

@@ -17,7 +17,7 @@ class YoungsModulus(Effect):
     family: ClassVar[Family] = "structure"
     source: ClassVar[str] = "J. E. Mottershead, M. I. Friswell, J. Sound Vib. 167 (1993) 347: model updating, a survey"
 
-    ratio: float = parameter("r_E", "-", lower=1e-2, upper=1e2, spread=0.3)
+    ratio: float = parameter("r_E", "-", lower=1e-2, upper=1e2, spread=0.3, neutral=1.0)
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:

@@ -1,0 +1,121 @@
+"""Effects that change a sleeve's contact."""
+
+from dataclasses import replace
+
+import pytest
+from effect_scenes import CONTACT, PLACES, scene_at
+
+from models.contact.hunt_crossley import HuntCrossley as HuntCrossleyLaw
+from models.contact.kelvin_voigt import KelvinVoigt
+from models.effects.clearance import Clearance
+from models.effects.contact_stiffness import ContactStiffness
+from models.effects.gap_offset import GapOffset
+from models.effects.hunt_crossley import HuntCrossley
+from models.effects.time_varying_damping import TimeVaryingDamping
+from models.rest import contact_force
+
+SLEEVE = PLACES["sleeve"]
+
+
+def changed(*effects):
+    contact = CONTACT
+    for effect in effects:
+        contact = effect.change_contact(contact)
+    return contact
+
+
+def test_a_wider_clearance_starts_the_contact_later():
+    """K (|q| - d) at q = 5e-4 m: 1e5 (5e-4 - 3e-4) = 20 N back to the centre, nothing within the gap."""
+    wide = changed(Clearance(SLEEVE, clearance=3e-4))
+    assert contact_force(wide, 5e-4) == pytest.approx(-20.0)
+    assert contact_force(wide, -5e-4) == pytest.approx(20.0)
+    assert contact_force(wide, 2.9e-4) == 0.0
+
+
+def test_without_clearance_the_sleeve_is_a_spring_both_ways():
+    assert contact_force(changed(Clearance(SLEEVE, clearance=0.0)), -1e-5) == pytest.approx(1.0)
+
+
+def test_an_offset_moves_the_gap():
+    """Centre 1e-4 m up, clearance 2e-4 m: walls at 3e-4 and -1e-4 m."""
+    lopsided = changed(GapOffset(SLEEVE, offset=1e-4))
+    assert contact_force(lopsided, 2.9e-4) == 0.0
+    assert contact_force(lopsided, 4e-4) == pytest.approx(-10.0)
+    assert contact_force(lopsided, -2e-4) == pytest.approx(10.0)
+
+
+@pytest.mark.parametrize(
+    ("offset", "words"), [(1e-4, "the upper gap is 0.1 mm wider"), (-1e-4, "the lower gap is 0.1 mm")]
+)
+def test_words_name_the_wider_gap(offset, words):
+    effect = GapOffset(SLEEVE, offset=offset)
+    wall = offset + CONTACT.clearance * (1 if offset > 0 else -1)
+    assert contact_force(changed(effect), 0.999 * wall) == 0.0
+    assert words in effect.in_words()
+
+
+def test_an_offset_and_its_mirror_image_push_alike():
+    up, down = (changed(GapOffset(SLEEVE, offset=side * 1e-4)) for side in (1.0, -1.0))
+    for q in (-5e-4, -1.5e-4, 0.0, 2.5e-4, 5e-4):
+        assert contact_force(up, q) == -contact_force(down, -q)
+
+
+def test_a_stiffer_contact_keeps_its_damping():
+    law = changed(ContactStiffness(SLEEVE, ratio=1.5)).law
+    assert law.elastic(1e-4) == pytest.approx(1.5 * CONTACT.law.elastic(1e-4))
+    assert law.damping_at(1e-4, 0.1) == pytest.approx(80.0)
+
+
+def test_hunt_crossley_takes_the_place_of_the_dashpot():
+    """K p (1 + 3/2 alpha dp/dt) at p = 1e-4 m, 0.1 m/s: 10 (1 + 0.15 alpha)."""
+    law = changed(HuntCrossley(SLEEVE, dissipation=2.0)).law
+    assert law.normal_force(0.0, 1e-4, 0.1, 0.0, law.values) == pytest.approx(13.0)
+    assert law.normal_force(0.0, 0.0, 0.1, 0.0, law.values) == 0.0
+
+
+def test_hunt_crossley_keeps_the_present_spring_whatever_the_order():
+    effects = (ContactStiffness(SLEEVE, ratio=1.5), HuntCrossley(SLEEVE, dissipation=2.0))
+    assert changed(*effects).law == changed(*reversed(effects)).law == HuntCrossleyLaw(1.5e5, 2.0)
+
+
+def test_the_middle_trial_of_hunt_crossley_damps_like_the_given_dashpot_at_the_largest_penetration():
+    scene = scene_at(SLEEVE)
+    _, same, _ = HuntCrossley.trials(scene)
+    assert changed(same).law.damping_at(scene.penetration, 0.01) == pytest.approx(80.0)
+    assert same.dissipation == pytest.approx(80.0 / (1.5 * 1e5 * 2e-5))
+
+
+@pytest.mark.parametrize(("t", "damping"), [(0.0, 90.0), (1.0, 90.0), (2.0, 60.0), (3.0, 30.0), (9.0, 30.0)])
+def test_the_damping_follows_the_table_and_is_constant_outside(t, damping):
+    law = changed(TimeVaryingDamping(SLEEVE, times=(1.0, 3.0), values=(90.0, 30.0))).law
+    assert law.normal_force(t, 1e-4, 0.1, 0.0, law.values) == pytest.approx(10.0 + 0.1 * damping)
+
+
+def test_a_table_that_stands_still_is_kelvin_voigt():
+    law = changed(TimeVaryingDamping(SLEEVE, times=(0.0, 1.0), values=(80.0, 80.0))).law
+    for t in (0.0, 0.3, 2.0):
+        assert law.normal_force(t, 1e-4, -0.1, 0.0, law.values) == pytest.approx(
+            KelvinVoigt.normal_force(t, 1e-4, -0.1, 0.0, CONTACT.law.values)
+        )
+
+
+def test_a_table_keeps_the_spring_that_another_effect_changed():
+    effects = (ContactStiffness(SLEEVE, ratio=2.0), TimeVaryingDamping(SLEEVE, times=(0.0,), values=(5.0,)))
+    assert changed(*effects).law.elastic(1e-4) == changed(*reversed(effects)).law.elastic(1e-4) == pytest.approx(20.0)
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        Clearance(SLEEVE, clearance=3e-4),
+        GapOffset(SLEEVE, offset=5e-5),
+        ContactStiffness(SLEEVE, ratio=2.0),
+        HuntCrossley(SLEEVE, dissipation=3.0),
+        TimeVaryingDamping(SLEEVE, times=(0.0, 1.0), values=(1.0, 2.0)),
+    ],
+)
+def test_only_what_it_names_changes(effect):
+    contact = changed(effect)
+    field = {"clearance": "clearance", "gap_offset": "offset"}.get(effect.kind, "law")
+    assert contact != CONTACT
+    assert replace(contact, **{field: getattr(CONTACT, field)}) == CONTACT
