@@ -1,0 +1,121 @@
+"""Every force at a point, one kind of thing: laws of effects, springs, dashpots, absorbers and contacts."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import pi
+from typing import NamedTuple
+
+import numpy as np
+
+from models.arrays import FloatArray, IntArray
+from models.law import LawFunction, law_address
+from models.plant import Plant
+from models.ports import Port
+from models.rest import is_bilateral
+from models.structure import Absorber
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """The port of an absorber: how far its mass is ahead of the structure."""
+
+    number: int
+    absorber: Absorber
+
+
+@dataclass(frozen=True)
+class PointForce:
+    """One law behind one port.
+
+    Attributes:
+        port: where it reads the motion and acts.
+        law: F(t, q, v, z, p), or the normal force N(t, p, dp/dt, 0, c) of a contact.
+        values: its numbers.
+        rate: dz/dt of an internal state, or None.
+        contact: (clearance, offset, growth of the clearance) of a contact, None for a plain law.
+        bilateral: a contact that acts in both directions.
+    """
+
+    port: Port | Stretch
+    law: LawFunction
+    values: tuple[float, ...]
+    rate: LawFunction | None = None
+    contact: tuple[float, float, float] | None = None
+    bilateral: bool = False
+
+    def at_rest(self, q: float) -> float:
+        """Force on the structure at the start, N, without motion."""
+        if self.contact is None:
+            return self.law(0.0, q, 0.0, 0.0, self.values)
+        clearance, offset, _ = self.contact
+        side = 1.0 if q >= offset else -1.0
+        penetration = abs(q - offset) - clearance
+        if penetration <= 0.0:
+            return 0.0
+        normal = self.law(0.0, penetration, 0.0, 0.0, self.values)
+        return -side * (normal if self.bilateral else max(0.0, normal))
+
+
+class Items(NamedTuple):
+    """The point forces as the compiled stepper reads them.
+
+    Attributes:
+        port: (n,) row among the ports.
+        law, rate: (n,) addresses of compiled functions; 0 where there is no internal state.
+        offset: (n,) where each one's numbers begin in ``values``.
+        values: all numbers in a row.
+        contact: (n, 5) 1 for a contact, 1 where it is bilateral, clearance, offset, growth of the clearance.
+    """
+
+    port: IntArray
+    law: IntArray
+    rate: IntArray
+    offset: IntArray
+    values: FloatArray
+    contact: FloatArray
+
+
+def spring_and_dashpot(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG001
+    """Linear force with p = (stiffness, damping)."""
+    return -p[0] * q - p[1] * v
+
+
+def point_forces(plant: Plant) -> tuple[PointForce, ...]:
+    """All point forces of a plant."""
+    structure = plant.structure
+    forces = [PointForce(law.port, law.force, law.parameters, law.rate) for law in plant.laws]
+    forces += [PointForce(Port(at), spring_and_dashpot, (stiffness, 0.0)) for at, stiffness in structure.springs]
+    forces += [PointForce(Port(at), spring_and_dashpot, (0.0, damping)) for at, damping in structure.dashpots]
+    for number, absorber in enumerate(structure.absorbers):
+        omega = 2.0 * pi * absorber.frequency
+        numbers = (absorber.mass * omega**2, 2.0 * absorber.damping_ratio * omega * absorber.mass)
+        forces.append(PointForce(Stretch(number, absorber), spring_and_dashpot, numbers))
+    for contact in plant.contacts:
+        gap = (contact.clearance, contact.offset, contact.clearance_rate)
+        law = contact.law
+        port = Port(contact.position)
+        forces.append(PointForce(port, law.normal_force, law.values, contact=gap, bilateral=is_bilateral(contact)))
+    return tuple(forces)
+
+
+def compile_items(forces: Sequence[PointForce], ports: Sequence[Port | Stretch]) -> Items:
+    """The point forces for the stepper.
+
+    Args:
+        forces: what acts.
+        ports: in the order of the system's rows.
+    """
+    index = {port: i for i, port in enumerate(ports)}
+    sizes = [len(force.values) for force in forces]
+    contact = np.zeros((len(forces), 5))
+    for row, force in zip(contact, forces, strict=True):
+        if force.contact is not None:
+            row[:] = 1.0, float(force.bilateral), *force.contact
+    return Items(
+        port=np.array([index[force.port] for force in forces], np.int64),
+        law=np.array([law_address(force.law) for force in forces], np.int64),
+        rate=np.array([0 if force.rate is None else law_address(force.rate) for force in forces], np.int64),
+        offset=np.cumsum([0, *sizes], dtype=np.int64)[:-1],
+        values=np.array([value for force in forces for value in force.values], float),
+        contact=contact,
+    )

@@ -1,0 +1,173 @@
+"""The plant in the modes of its finite elements, none left out, with a port for every point force."""
+
+from dataclasses import dataclass
+from math import sqrt
+
+import numpy as np
+
+from models.arrays import FloatArray
+from models.errors import InputError
+from models.fine.finite_elements import FiniteElements, assemble
+from models.fine.mesh import place_nodes
+from models.fine.point_forces import PointForce, Stretch, point_forces
+from models.plant import Plant
+from models.ports import Port
+
+REST_TOLERANCE = 1e-13
+"""Largest change of a port's position in the last iteration at rest, m."""
+
+MAX_ITERATIONS = 200
+
+
+@dataclass(frozen=True, eq=False)
+class FineSystem:
+    """Equations q'' + damping q' + omega^2 q = ports' F + ... of the whole plant.
+
+    Attributes:
+        omega, damping: (n,) rad/s and 1/s; an absorber's mass is a coordinate of its own, held only by its port.
+        carried: (n,) inertia against an acceleration of the base, sqrt(kg).
+        ports: what the point forces act through.
+        port_rows: (n_ports, n) motion of each port by coordinate.
+        forces: all point forces.
+        rest: (n,) coordinates at rest under gravity.
+        elements: of the beam; None for an oscillator.
+    """
+
+    omega: FloatArray
+    damping: FloatArray
+    carried: FloatArray
+    ports: tuple[Port | Stretch, ...]
+    port_rows: FloatArray
+    forces: tuple[PointForce, ...]
+    rest: FloatArray
+    elements: FiniteElements | None
+
+    def row(self, position: float | None, derivative: int = 0) -> FloatArray:
+        """(n,) deflection, slope or curvature at a place, m from the clamp, by coordinate."""
+        return _row(self.elements, self.carried, position, derivative)
+
+    def forces_at_rest(self) -> FloatArray:
+        """(n_ports,) forces on the structure at rest, N."""
+        return forces_at(self.port_rows @ self.rest, self.ports, self.forces)
+
+
+def build_system(plant: Plant, n_elements: int) -> FineSystem:
+    """Discretise a plant and find where it rests.
+
+    Args:
+        plant: the rig with its effects.
+        n_elements: finite elements along the beam at least; there is a node at every named place besides.
+
+    Raises:
+        InputError: no state at rest is found, or an axial load buckles the beam.
+    """
+    structure, forces = plant.structure, point_forces(plant)
+    ports = tuple(dict.fromkeys(force.port for force in forces))
+    if structure.is_beam:
+        elements = assemble(structure, _mesh(plant, ports, n_elements))
+        (omega, shapes), damping = elements.modes, elements.damping()
+        carried = shapes.T @ elements.carried
+    else:
+        elements = None
+        mass = structure.line_mass + sum(mass for _, mass in structure.masses)
+        own = structure.rayleigh[0] * structure.line_mass * structure.damping_scale
+        omega, damping = np.array([sqrt(structure.bending_stiffness / mass)]), np.array([own / mass])
+        carried = np.array([sqrt(mass)])
+    hung = [sqrt(absorber.mass) for absorber in structure.absorbers]
+    omega, damping = np.append(omega, np.zeros(len(hung))), np.append(damping, np.zeros(len(hung)))
+    carried = np.append(carried, hung)
+    rows = np.array([_port_row(elements, carried, port, len(hung)) for port in ports]).reshape(-1, len(omega))
+    rest = find_rest(omega, -structure.gravity * carried, rows, ports, forces)
+    return FineSystem(omega, damping, carried, ports, rows, forces, rest, elements)
+
+
+def _mesh(plant: Plant, ports: tuple[Port | Stretch, ...], n_elements: int) -> FloatArray:
+    structure = plant.structure
+    named = [hinge.position for hinge in structure.hinges]
+    named += [port.absorber.position if isinstance(port, Stretch) else port.position for port in ports]
+    named += [position for position, _ in structure.masses]
+    named += [plant.excitation.position if plant.excitation is not None else None]
+    named += [sensor.position for sensor in plant.sensors]
+    return place_nodes(structure.length, [place for place in named if place is not None], n_elements)
+
+
+def _row(
+    elements: FiniteElements | None, carried: FloatArray, position: float | None, derivative: int = 0
+) -> FloatArray:
+    row = np.zeros(len(carried))
+    if elements is None:
+        row[0] = 1.0 / carried[0]
+    else:
+        shape = elements.row(position or 0.0, derivative) @ elements.modes[1]
+        row[: len(shape)] = shape
+    return row
+
+
+def _port_row(elements: FiniteElements | None, carried: FloatArray, port: Port | Stretch, n_hung: int) -> FloatArray:
+    if isinstance(port, Port):
+        return _row(elements, carried, port.position, port.derivative)
+    row = -_row(elements, carried, port.absorber.position)
+    own = len(carried) - n_hung + port.number
+    row[own] = 1.0 / carried[own]
+    return row
+
+
+def forces_at(place: FloatArray, ports: tuple[Port | Stretch, ...], forces: tuple[PointForce, ...]) -> FloatArray:
+    """(n_ports,) forces on the structure, N, where the ports stand still at a place, (n_ports,) m."""
+    total, index = np.zeros(len(ports)), {port: i for i, port in enumerate(ports)}
+    for force in forces:
+        i = index[force.port]
+        total[i] += force.at_rest(float(place[i]))
+    return total
+
+
+def find_rest(
+    omega: FloatArray,
+    weight: FloatArray,
+    rows: FloatArray,
+    ports: tuple[Port | Stretch, ...],
+    forces: tuple[PointForce, ...],
+) -> FloatArray:
+    """(n,) coordinates where omega^2 q = weight + rows' F, by Newton's method with step control.
+
+    Args:
+        omega: (n,) rad/s.
+        weight: (n,) generalised force of gravity.
+        rows: (n_ports, n) motion of the ports.
+        ports: of the rows.
+        forces: what acts there.
+
+    Raises:
+        InputError: none is found.
+    """
+
+    def pushed(place: FloatArray) -> FloatArray:
+        return forces_at(place, ports, forces)
+
+    def slopes(place: FloatArray) -> FloatArray:
+        nudge = 1e-9 * (1.0 + np.abs(place))
+        return np.array([(pushed(place + nudge) - pushed(place))[i] / nudge[i] for i in range(len(place))])
+
+    def unbalance(q: FloatArray) -> FloatArray:
+        return weight + rows.T @ pushed(rows @ q) - omega**2 * q
+
+    q = np.zeros(len(omega))
+    scale = 1.0 / np.sqrt(omega**2 + 1e-3 * np.abs(rows.T * slopes(rows @ q)).sum(axis=1) + 1e-9)
+    now = unbalance(q)
+    for _ in range(MAX_ITERATIONS):
+        if not np.any(now):
+            return q
+        tangent = np.diag(omega**2) - (rows.T * slopes(rows @ q)) @ rows
+        step = np.linalg.lstsq(tangent * np.outer(scale, scale), now * scale, rcond=1e-15)[0] * scale
+        share = 1.0
+        while np.linalg.norm(unbalance(q + share * step) * scale) > np.linalg.norm(now * scale) and share > 1e-9:
+            share *= 0.5
+        q = q + share * step
+        now = unbalance(q)
+        if np.abs(rows @ step).max(initial=0.0) < REST_TOLERANCE:
+            return q
+    raise InputError(
+        "the state at rest: no equilibrium was found",
+        "the structure rests where gravity, sleeves and effects balance",
+        "look for a stiffness that is negative or an offset larger than the structure can reach",
+    )
