@@ -1,0 +1,212 @@
+"""Residuals of hypotheses against records, in units of the noise, on all cores.
+
+The threads share the records; the time stepper and the transforms run outside Python's lock.
+"""
+
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import fft
+from scipy.ndimage import uniform_filter1d
+from threadpoolctl import threadpool_limits
+
+from identification.hypothesis import Hypothesis
+from identification.noise import Noise
+from models.arrays import ComplexArray, FloatArray
+from models.band_limit import SCORE_EDGE
+from models.errors import DivergenceError
+from models.record import Record
+from models.simulate import Response, Settings, simulate
+
+
+@dataclass(frozen=True, eq=False)
+class Target:
+    """One record as a fit sees it.
+
+    Attributes:
+        record: measured.
+        noise: of its channels.
+        measured: (n, lines) spectrum below 0.35 fs.
+        density: (n, lines) noise density per line, sensors' and carried by the model from the excitation, SI^2.
+    """
+
+    record: Record
+    noise: Noise
+    measured: ComplexArray
+    density: FloatArray
+
+    @classmethod
+    def of(cls, record: Record, noise: Noise) -> "Target":
+        """With the sensors' noise alone."""
+        measured = scored_spectrum(record.responses)
+        sensors = np.maximum(noise.sensors, LEAST_NOISE * record.responses.std(axis=1))
+        return cls(record, noise, measured, np.repeat(sensors[:, None] ** 2, measured.shape[1], axis=1))
+
+    def cut(self, n_samples: int) -> "Target":
+        """The first samples only."""
+        if n_samples >= self.record.n_samples:
+            return self
+        record = self.record
+        short = replace(
+            record,
+            responses=record.responses[:, :n_samples],
+            excitation=None if record.excitation is None else record.excitation[:n_samples],
+        )
+        measured = scored_spectrum(short.responses)
+        line = np.linspace(0, self.density.shape[1] - 1, measured.shape[1]).astype(int)
+        return Target(short, self.noise, measured, self.density[:, line])
+
+    @property
+    def nrmse_of_noise(self) -> float:
+        """NRMSE that the noise alone leaves."""
+        n = self.record.n_samples
+        return float(np.sqrt(n * self.density.sum() / np.sum(np.abs(self.measured) ** 2)))
+
+
+LEAST_NOISE = 1e-5
+"""Noise assumed at least, as a share of a channel's rms: no fit can be judged closer than the model is computed."""
+
+
+def scored_spectrum(channels: FloatArray) -> ComplexArray:
+    """(n, lines) spectrum of the band below 0.35 fs in which errors are judged."""
+    n = channels.shape[1]
+    return np.asarray(fft.rfft(channels, axis=1)[:, : int(SCORE_EDGE * n) + 1])
+
+
+def nrmse(residual: ComplexArray, measured: ComplexArray) -> float:
+    """rms(residual) / rms(measured) over all channels and samples, from spectra."""
+    return float(np.sqrt(np.sum(np.abs(residual) ** 2) / np.sum(np.abs(measured) ** 2)))
+
+
+class Evaluator:
+    """Simulates hypotheses against targets in parallel.
+
+    Args:
+        targets: the records.
+        jobs: threads.
+        settings: resolution of the model.
+    """
+
+    def __init__(self, targets: Sequence[Target], jobs: int, settings: Settings = Settings()) -> None:  # noqa: B008
+        self.targets = tuple(targets)
+        self.jobs = jobs
+        self.settings = settings
+        self.n_runs = 0
+
+    def with_targets(self, targets: Sequence[Target]) -> "Evaluator":
+        """The same for other records."""
+        return Evaluator(targets, self.jobs, self.settings)
+
+    @property
+    def n_data(self) -> int:
+        """Real numbers in a residual."""
+        return sum(2 * target.measured.size for target in self.targets)
+
+    def responses(self, hypothesis: Hypothesis, settings: Settings | None = None) -> list[Response]:
+        """The model's response to every record.
+
+        Raises:
+            DivergenceError: the motion left the finite numbers.
+        """
+        plant = hypothesis.plant()
+
+        def one(target: Target) -> Response:
+            start = hypothesis.starts.get(target.record.name)
+            return simulate(plant, target.record, settings or self.settings, start)
+
+        self.n_runs += len(self.targets)
+        with threadpool_limits(1), ThreadPoolExecutor(self.jobs) as pool:
+            return list(pool.map(one, self.targets))
+
+    def residual_spectra(self, hypothesis: Hypothesis) -> list[ComplexArray]:
+        """Model minus measured, per record, (n, lines)."""
+        responses = self.responses(hypothesis)
+        return [scored_spectrum(r.channels) - t.measured for r, t in zip(responses, self.targets, strict=True)]
+
+    def residuals(self, hypotheses: Iterable[tuple[Hypothesis, str | None]]) -> list[FloatArray | None]:
+        """Residuals in units of the noise, one row of ``n_data`` numbers a hypothesis, None where it diverges.
+
+        Args:
+            hypotheses: each with the name of the only record that differs from the last full one, or None; the other
+                records' parts are then left at 0.
+        """
+        jobs = [
+            (number, k, hypothesis)
+            for number, (hypothesis, only) in enumerate(hypotheses)
+            for k, target in enumerate(self.targets)
+            if only is None or target.record.name == only
+        ]
+        if not jobs:
+            return []
+        rows: list[FloatArray | None] = [np.zeros(self.n_data) for _ in range(jobs[-1][0] + 1)]
+        ends = np.cumsum([2 * target.measured.size for target in self.targets])
+
+        def one(job: tuple[int, int, Hypothesis]) -> None:
+            number, k, hypothesis = job
+            target = self.targets[k]
+            try:
+                start = hypothesis.starts.get(target.record.name)
+                channels = simulate(hypothesis.plant(), target.record, self.settings, start).channels
+            except DivergenceError:
+                rows[number] = None
+                return
+            part = whitened(scored_spectrum(channels) - target.measured, target)
+            row = rows[number]
+            if row is not None:
+                row[ends[k] - len(part) : ends[k]] = part
+
+        self.n_runs += len(jobs)
+        with threadpool_limits(1), ThreadPoolExecutor(self.jobs) as pool:
+            list(pool.map(one, jobs))
+        return rows
+
+
+def whitened(residual: ComplexArray, target: Target) -> FloatArray:
+    """Residual in standard deviations of the noise, as real numbers whose squares sum to chi-square."""
+    weight = np.sqrt(2.0 / (target.record.n_samples * target.density))
+    return np.ascontiguousarray(residual * weight).view(float).ravel()
+
+
+def carry_noise(
+    evaluator: Evaluator, hypothesis: Hypothesis, rng: np.random.Generator, realisations: int = 4
+) -> list[Target]:
+    """The targets with the noise of the measured excitation, carried through the model, added to their densities.
+
+    Args:
+        evaluator: with the targets.
+        hypothesis: the model that carries it.
+        rng: of the realisations.
+        realisations: simulations averaged.
+    """
+    noisy = [t for t in evaluator.targets if t.noise.excitation > 0 and t.record.excitation is not None]
+    if not noisy:
+        return list(evaluator.targets)
+    clean = dict(zip([t.record.name for t in noisy], _spectra(evaluator.with_targets(noisy), hypothesis), strict=True))
+    power = {name: np.zeros(spectrum.shape) for name, spectrum in clean.items()}
+    for _ in range(realisations):
+        shaken = [replace(t, record=_shaken(t.record, t.noise.excitation, rng)) for t in noisy]
+        for target, spectrum in zip(shaken, _spectra(evaluator.with_targets(shaken), hypothesis), strict=True):
+            power[target.record.name] += np.abs(spectrum - clean[target.record.name]) ** 2
+    targets = []
+    for target in evaluator.targets:
+        base = Target.of(target.record, target.noise)
+        if target.record.name in power:
+            mean = power[target.record.name] / (realisations * target.record.n_samples)
+            base = replace(base, density=base.density + uniform_filter1d(mean, SMOOTHED_LINES, axis=1))
+        targets.append(base)
+    return targets
+
+
+SMOOTHED_LINES = 9
+
+
+def _spectra(evaluator: Evaluator, hypothesis: Hypothesis) -> list[ComplexArray]:
+    return [scored_spectrum(response.channels) for response in evaluator.responses(hypothesis)]
+
+
+def _shaken(record: Record, sigma: float, rng: np.random.Generator) -> Record:
+    if record.excitation is None:
+        return record
+    return replace(record, excitation=record.excitation + sigma * rng.standard_normal(record.n_samples))

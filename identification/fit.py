@@ -1,0 +1,206 @@
+"""Nonlinear least squares over the unknowns of a hypothesis, with what is known beforehand as further data.
+
+Levenberg and Marquardt's method. The columns of the Jacobian that belong to the rig's numbers change little, so they are
+kept from one iteration to the next, and formed anew only where a step does not bring what it promised.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from identification.evaluate import Evaluator
+from identification.hypothesis import Hypothesis, Unknown, at_coordinates, coordinates
+from models.arrays import FloatArray
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A hypothesis at the least-squares minimum of some unknowns.
+
+    Attributes:
+        hypothesis: with the fitted values.
+        unknowns: what was moved.
+        chi2: sum of squared residuals in units of the noise, without the prior's part.
+        penalty: the prior's part.
+        n_data: real numbers in the residual.
+        residual: (n_data,) in units of the noise.
+        jacobian: (n_unknowns, n_data).
+        covariance: (n_unknowns, n_unknowns) in the unknowns' own coordinates, for noise of the estimated size.
+    """
+
+    hypothesis: Hypothesis
+    unknowns: tuple[Unknown, ...]
+    chi2: float
+    penalty: float
+    n_data: int
+    residual: FloatArray
+    jacobian: FloatArray
+    covariance: FloatArray
+
+    @property
+    def cost(self) -> float:
+        """What was minimised."""
+        return self.chi2 + self.penalty
+
+    @property
+    def ratio(self) -> float:
+        """Residual over noise: 1 for a perfect model and a perfect estimate of the noise."""
+        return float(np.sqrt(self.chi2 / self.n_data))
+
+    def std(self) -> FloatArray:
+        """Standard deviation of each unknown in its own coordinate, widened where the model misses the data."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)) * max(1.0, self.ratio))
+
+
+@dataclass
+class _State:
+    hypothesis: Hypothesis
+    x: FloatArray
+    residual: FloatArray
+    cost: float
+
+
+def fit(
+    evaluator: Evaluator,
+    hypothesis: Hypothesis,
+    unknowns: Sequence[Unknown],
+    *,
+    max_iterations: int = 12,
+    jacobian: FloatArray | None = None,
+    tolerance: float = 2e-4,
+) -> Fit:
+    """Move the unknowns to the minimum of chi-square plus prior.
+
+    Args:
+        evaluator: records and noise.
+        hypothesis: where to start.
+        unknowns: what may move.
+        max_iterations: of Levenberg and Marquardt.
+        jacobian: (n_kept, n_data) columns of the first unknowns, known from an earlier fit nearby.
+        tolerance: relative decrease of the cost that ends the fit.
+
+    Raises:
+        ArithmeticError: the start itself diverges.
+    """
+    unknowns = tuple(unknowns)
+    prior = np.array([1.0 if unknown.prior else 0.0 for unknown in unknowns])
+    state = _start(evaluator, hypothesis, unknowns, prior)
+    rows = np.zeros((len(unknowns), evaluator.n_data))
+    kept = 0 if jacobian is None else len(jacobian)
+    if jacobian is not None:
+        rows[:kept] = jacobian
+    _differentiate(evaluator, state, unknowns, rows, range(kept, len(unknowns)))
+    fresh, damping = kept == 0, 1e-3
+    for _ in range(max_iterations):
+        new, promised, damping = _step(evaluator, state, unknowns, prior, rows, damping)
+        gained = state.cost - new.cost
+        if gained > 0:
+            state = new
+        small = gained < max(tolerance * state.cost, LEAST_GAIN)
+        if small and fresh:
+            break
+        poor = gained < POOR_SHARE * promised
+        refresh_all = small or poor
+        first = 0 if refresh_all else kept
+        _differentiate(evaluator, state, unknowns, rows, range(first, len(unknowns)))
+        fresh = refresh_all or kept == 0
+    normal = rows @ rows.T + np.diag(prior)
+    covariance = np.linalg.pinv(normal, hermitian=True)
+    chi2 = float(state.residual @ state.residual)
+    return Fit(
+        state.hypothesis, unknowns, chi2, state.cost - chi2, evaluator.n_data, state.residual, rows, covariance
+    )
+
+
+LEAST_GAIN = 2.0
+"""A smaller decrease of chi-square than this tells nothing about any unknown."""
+
+POOR_SHARE = 0.5
+
+DAMPINGS = (1.0, 0.03, 30.0)
+"""Factors on the damping tried together, so that no core waits."""
+
+LARGEST_STEP = 2.0
+"""Largest move of an unknown in one iteration, in its own coordinate, where the prior does not hold it."""
+
+
+def _start(evaluator: Evaluator, hypothesis: Hypothesis, unknowns: tuple[Unknown, ...], prior: FloatArray) -> _State:
+    residual = evaluator.residuals([(hypothesis, None)])[0]
+    if residual is None:
+        raise ArithmeticError("the model to start from diverges")
+    x = coordinates(hypothesis, unknowns)
+    return _State(hypothesis, x, residual, float(residual @ residual + prior @ x**2))
+
+
+def _differentiate(
+    evaluator: Evaluator, state: _State, unknowns: tuple[Unknown, ...], rows: FloatArray, which: range
+) -> None:
+    """Fill rows with one-sided differences; a coordinate at its bound is moved the other way."""
+    moved: list[Hypothesis] = []
+    for k in which:
+        forward = unknowns[k].set(state.hypothesis, state.x[k] + unknowns[k].step)
+        if abs(unknowns[k].get(forward) - state.x[k]) < 0.5 * unknowns[k].step:
+            forward = unknowns[k].set(state.hypothesis, state.x[k] - unknowns[k].step)
+        moved.append(forward)
+    results = evaluator.residuals([(h, unknowns[k].record) for h, k in zip(moved, which, strict=True)])
+    for k, new, hypothesis in zip(which, results, moved, strict=True):
+        change = unknowns[k].get(hypothesis) - state.x[k]
+        if new is None or change == 0:
+            rows[k] = 0.0
+            continue
+        rows[k] = new - state.residual if unknowns[k].record is None else _only(evaluator, state, unknowns[k], new)
+        rows[k] /= change
+
+
+def _only(evaluator: Evaluator, state: _State, unknown: Unknown, new: FloatArray) -> FloatArray:
+    difference = np.zeros_like(new)
+    end = 0
+    for target in evaluator.targets:
+        start, end = end, end + 2 * target.measured.size
+        if target.record.name == unknown.record:
+            difference[start:end] = new[start:end] - state.residual[start:end]
+    return difference
+
+
+def _step(  # noqa: PLR0913
+    evaluator: Evaluator,
+    state: _State,
+    unknowns: tuple[Unknown, ...],
+    prior: FloatArray,
+    rows: FloatArray,
+    damping: float,
+) -> tuple[_State, float, float]:
+    """The best of a few damped steps, the decrease that the linear model promised, and the next damping."""
+    gradient = rows @ state.residual + prior * state.x
+    normal = rows @ rows.T + np.diag(prior)
+    size = np.maximum(np.diag(normal), 1e-12 * np.max(np.diag(normal), initial=1e-300))
+    best, promised = replace(state, cost=np.inf), 0.0
+    for _ in range(4):
+        steps = [
+            _bounded(-np.linalg.solve(normal + factor * damping * np.diag(size), gradient), prior)
+            for factor in DAMPINGS[: max(2, evaluator.jobs)]
+        ]
+        trials = [at_coordinates(state.hypothesis, unknowns, state.x + step) for step in steps]
+        results = evaluator.residuals([(trial, None) for trial in trials])
+        for factor, trial, residual, step in zip(DAMPINGS, trials, results, steps, strict=False):
+            if residual is None:
+                continue
+            x = coordinates(trial, unknowns)
+            cost = float(residual @ residual + prior @ x**2)
+            if cost < best.cost:
+                best = _State(trial, x, residual, cost)
+                promised = float(-2.0 * gradient @ step - step @ normal @ step)
+                chosen = factor
+        if best.cost < state.cost:
+            return best, promised, float(np.clip(damping * chosen, 1e-9, 1e6))
+        damping = min(damping * 100.0, 1e6)
+    return best, promised, damping
+
+
+def _bounded(step: FloatArray, prior: FloatArray) -> FloatArray:
+    free = np.abs(step[prior == 0])
+    largest = free.max(initial=0.0)
+    return step * min(1.0, LARGEST_STEP / largest) if largest > 0 else step

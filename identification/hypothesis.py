@@ -1,0 +1,206 @@
+"""A hypothesis about the rig: numbers of the rig file, effects besides, and the state each record starts from.
+
+An ``Unknown`` is one number of it that a fit may move, in a coordinate in which one unit is about one standard deviation
+of what is known beforehand.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from math import exp, log
+
+import numpy as np
+
+from models.arrays import FloatArray
+from models.effects import EFFECTS, Effect, Registry
+from models.effects.protocol import Parameter
+from models.plant import Plant, build_plant
+from models.rig import Beam, Rig, RigParameter
+
+
+@dataclass(frozen=True, eq=False)
+class Hypothesis:
+    """The rig as given, with other values for its toleranced numbers, more effects, and moving starts.
+
+    Attributes:
+        rig: as its owner describes it.
+        values: path -> value, for numbers that differ from the rig file.
+        effects: besides those of the rig file.
+        starts: record name -> (2n,) modal state at its first sample; from rest where absent.
+        registry: kind -> class.
+    """
+
+    rig: Rig
+    values: Mapping[str, float] = field(default_factory=dict)
+    effects: tuple[Effect, ...] = ()
+    starts: Mapping[str, FloatArray] = field(default_factory=dict)
+    registry: Registry = field(default_factory=lambda: EFFECTS, repr=False)
+
+    @property
+    def updated_rig(self) -> Rig:
+        """The rig with the values of this hypothesis, still without its effects."""
+        return self.rig.with_values(self.values) if self.values else self.rig
+
+    def plant(self) -> Plant:
+        """What is simulated."""
+        return build_plant(self.updated_rig, self.effects, self.registry)
+
+    def with_effects(self, *effects: Effect) -> "Hypothesis":
+        """With more effects."""
+        return replace(self, effects=(*self.effects, *effects))
+
+
+class Unknown(ABC):
+    """One number that a fit may move.
+
+    Attributes:
+        step: difference for numerical derivatives, in the unknown's own coordinate.
+        prior: whether 0 +- 1 in its own coordinate is known beforehand.
+        record: the only record that it moves, or None for all.
+    """
+
+    step: float
+    prior: bool
+    record: str | None
+
+    @abstractmethod
+    def get(self, hypothesis: Hypothesis) -> float:
+        """Its coordinate in a hypothesis."""
+
+    @abstractmethod
+    def set(self, hypothesis: Hypothesis, x: float) -> Hypothesis:
+        """The hypothesis with this coordinate, kept within bounds."""
+
+
+@dataclass(frozen=True)
+class RigUnknown(Unknown):
+    """A toleranced number of the rig file, in standard deviations from the given value."""
+
+    parameter: RigParameter
+    step: float = 0.05
+    prior: bool = True
+    record: str | None = None
+
+    def get(self, hypothesis: Hypothesis) -> float:
+        """Standard deviations from the rig file."""
+        value = hypothesis.values.get(self.parameter.path, self.parameter.value)
+        return (value - self.parameter.value) / self.parameter.std
+
+    def set(self, hypothesis: Hypothesis, x: float) -> Hypothesis:
+        """Never below a twentieth of the given value: a stiffness or clearance stays positive."""
+        value = max(self.parameter.value + x * self.parameter.std, 0.05 * self.parameter.value)
+        return replace(hypothesis, values={**hypothesis.values, self.parameter.path: value})
+
+
+@dataclass(frozen=True)
+class EffectUnknown(Unknown):
+    """One fitted number of the effect with this index, as its logarithm or in a unit near its size."""
+
+    effect: int
+    entry: int
+    about: Parameter
+    unit: float
+    step: float = 0.02
+    prior: bool = False
+    record: str | None = None
+
+    def get(self, hypothesis: Hypothesis) -> float:
+        """Natural logarithm, or value over unit."""
+        value = float(hypothesis.effects[self.effect].fitted_values()[self.entry])
+        return log(max(value, SMALLEST)) if self.about.scale == "log" else value / self.unit
+
+    def set(self, hypothesis: Hypothesis, x: float) -> Hypothesis:
+        """Kept within the parameter's bounds."""
+        value = exp(min(x, LARGEST_LOG)) if self.about.scale == "log" else x * self.unit
+        effect = hypothesis.effects[self.effect]
+        values = effect.fitted_values()
+        values[self.entry] = min(max(value, self.about.lower), self.about.upper)
+        return _with_effect(hypothesis, self.effect, effect.with_fitted(values))
+
+
+SMALLEST, LARGEST_LOG = 1e-30, 69.0
+
+
+@dataclass(frozen=True)
+class PlaceUnknown(Unknown):
+    """Where along the beam the effect with this index sits, in twentieths of the length."""
+
+    effect: int
+    length: float
+    step: float = 0.02
+    prior: bool = False
+    record: str | None = None
+
+    def get(self, hypothesis: Hypothesis) -> float:
+        """Twentieths of the length from the clamp."""
+        return 20.0 * (hypothesis.effects[self.effect].place.position or 0.0) / self.length
+
+    def set(self, hypothesis: Hypothesis, x: float) -> Hypothesis:
+        """Kept on the beam, off the clamp."""
+        position = min(max(x / 20.0, 0.02), 1.0) * self.length
+        effect = hypothesis.effects[self.effect]
+        moved = replace(effect, place=replace(effect.place, position=position))
+        return _with_effect(hypothesis, self.effect, moved)
+
+
+@dataclass(frozen=True)
+class StartUnknown(Unknown):
+    """One entry of the modal state at a record's first sample, in units of a typical size."""
+
+    entry: int
+    n: int
+    scale: float
+    record: str
+    step: float = 1e-3
+    prior: bool = False
+
+    def get(self, hypothesis: Hypothesis) -> float:
+        """Entry over its typical size."""
+        start = hypothesis.starts.get(self.record)
+        return 0.0 if start is None else float(start[self.entry]) / self.scale
+
+    def set(self, hypothesis: Hypothesis, x: float) -> Hypothesis:
+        """Unbounded."""
+        old = hypothesis.starts.get(self.record)
+        start = np.zeros(self.n) if old is None else old.copy()
+        start[self.entry] = x * self.scale
+        return replace(hypothesis, starts={**hypothesis.starts, self.record: start})
+
+
+def _with_effect(hypothesis: Hypothesis, index: int, effect: Effect) -> Hypothesis:
+    effects = list(hypothesis.effects)
+    effects[index] = effect
+    return replace(hypothesis, effects=tuple(effects))
+
+
+def rig_unknowns(rig: Rig) -> tuple[Unknown, ...]:
+    """The toleranced numbers of a rig file."""
+    return tuple(RigUnknown(parameter) for parameter in rig.parameters())
+
+
+def effect_unknowns(hypothesis: Hypothesis, *, places: bool = True) -> tuple[Unknown, ...]:
+    """The fitted numbers of the hypothesis's effects, and where along the beam they sit."""
+    unknowns: list[Unknown] = []
+    for index, effect in enumerate(hypothesis.effects):
+        for entry, (value, (_, about)) in enumerate(zip(effect.fitted_values(), effect.fitted_parameters(), strict=True)):
+            unknowns.append(EffectUnknown(index, entry, about, max(abs(value), 1e-3 * about.spread)))
+        if places and free_place(effect) and isinstance(hypothesis.rig.structure, Beam):
+            unknowns.append(PlaceUnknown(index, hypothesis.rig.structure.length))
+    return tuple(unknowns)
+
+
+def free_place(effect: Effect) -> bool:
+    """It sits at a position that a fit may move, not at a sleeve or on a sensor."""
+    return effect.place.position is not None and effect.place.sleeve is None
+
+
+def coordinates(hypothesis: Hypothesis, unknowns: Sequence[Unknown]) -> FloatArray:
+    """(n,) coordinates of the unknowns."""
+    return np.array([unknown.get(hypothesis) for unknown in unknowns])
+
+
+def at_coordinates(hypothesis: Hypothesis, unknowns: Sequence[Unknown], x: FloatArray) -> Hypothesis:
+    """The hypothesis with other coordinates."""
+    for unknown, value in zip(unknowns, x, strict=True):
+        hypothesis = unknown.set(hypothesis, float(value))
+    return hypothesis

@@ -1,0 +1,190 @@
+"""What a comparison and a diagnosis say, as values: the report and the JSON files are made from these alone."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from identification.hypothesis import Hypothesis
+from identification.noise import Noise
+from models.arrays import FloatArray
+from models.effects import Effect
+from models.record import Record
+from models.simulate import Trace
+
+Verdict = Literal["missing_effect", "complete", "unexplained"]
+
+
+@dataclass(frozen=True, eq=False)
+class RecordScore:
+    """One record against one model.
+
+    Attributes:
+        record: measured.
+        predicted: (n_sensors, N) what the model says, SI.
+        noise: of the record's channels.
+        nrmse: over all channels, below 0.35 fs.
+        noise_nrmse: the same for a perfect model.
+        channel_nrmse, channel_noise_nrmse: (n_sensors,) per channel.
+    """
+
+    record: Record
+    predicted: FloatArray
+    noise: Noise
+    nrmse: float
+    noise_nrmse: float
+    channel_nrmse: FloatArray
+    channel_noise_nrmse: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Score:
+    """Several records against one model; the overall figures are root mean squares of the records'."""
+
+    records: tuple[RecordScore, ...]
+
+    @property
+    def nrmse(self) -> float:
+        """Overall error."""
+        return float(np.sqrt(np.mean([r.nrmse**2 for r in self.records])))
+
+    @property
+    def noise_nrmse(self) -> float:
+        """Overall error of a perfect model."""
+        return float(np.sqrt(np.mean([r.noise_nrmse**2 for r in self.records])))
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """A fitted number with its standard deviation."""
+
+    name: str
+    value: float | tuple[float, ...]
+    std: float | tuple[float, ...]
+    unit: str
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """An effect at a place, refitted with everything else, and what speaks for it.
+
+    Attributes:
+        effect: with its fitted values.
+        probability: among all that were judged in the same round, "nothing more" included.
+        nrmse: error of the model with it on the records it was judged on.
+        log_evidence: natural logarithm, relative to the best of the round.
+        refitted: False where only the screening judged it; its nrmse is then an estimate.
+    """
+
+    effect: Effect
+    probability: float
+    nrmse: float
+    log_evidence: float
+    refitted: bool
+
+
+@dataclass(frozen=True, eq=False)
+class AddedEffect:
+    """An effect that was added, with its parameters' intervals (``position`` among them where it was fitted)."""
+
+    effect: Effect
+    probability: float
+    estimates: tuple[Estimate, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """One model of the history: ``as given``, ``calibrated``, ``+ squeeze_film at sleeve 2``."""
+
+    label: str
+    hypothesis: Hypothesis
+    score: Score
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorMap:
+    """Where and when a model misses one record.
+
+    Attributes:
+        record: name.
+        level: rms of the excitation, SI.
+        frequency: (n_bands,) centres, Hz.
+        by_frequency: (n_sensors, n_bands) rms error over rms measured of the channel, in bands.
+        time: (n_windows,) centres, s.
+        by_time: (n_sensors, n_windows) the same in windows.
+        noise_by_frequency: (n_sensors, n_bands) the same for a perfect model.
+    """
+
+    record: str
+    level: float
+    frequency: FloatArray
+    by_frequency: FloatArray
+    time: FloatArray
+    by_time: FloatArray
+    noise_by_frequency: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class MissingForce:
+    """The force at one sleeve (or other place) that the model lacks, against the motion there.
+
+    Attributes:
+        place: the sleeve's name, or a position.
+        record: name.
+        q, v: (N,) m and m/s, as the model with the missing force moves.
+        force: (N,) N, smoothed to the band in which it can be told.
+        fs: Hz.
+    """
+
+    place: str
+    record: str
+    q: FloatArray
+    v: FloatArray
+    force: FloatArray
+    fs: float
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """The whole round of the loop.
+
+    Attributes:
+        verdict: as in diagnosis.json.
+        added: effects in the order of adding.
+        candidates: all that were judged in the first round, the most probable first.
+        indistinguishable: groups that the records cannot tell apart.
+        stages: the models in order with their errors.
+        holdout: ``as given`` and ``updated`` scores on records kept aside; empty if there are none.
+        rig_estimates: calibrated numbers of the rig.
+        where: error maps of the calibrated model, one a record.
+        missing_forces: of the calibrated model.
+        updated_maps: error maps of the final model.
+        traces: of the final model, by record name.
+        next_experiment: what would tell most, as key -> text or number.
+        decisions: what was decided and why, in order, in words.
+        seconds: wall time.
+        seed: of every random choice.
+    """
+
+    verdict: Verdict
+    added: tuple[AddedEffect, ...]
+    candidates: tuple[Candidate, ...]
+    indistinguishable: tuple[tuple[Effect, ...], ...]
+    stages: tuple[Stage, ...]
+    holdout: Mapping[str, Score]
+    rig_estimates: tuple[Estimate, ...]
+    where: tuple[ErrorMap, ...]
+    missing_forces: tuple[MissingForce, ...]
+    updated_maps: tuple[ErrorMap, ...]
+    traces: Mapping[str, Trace]
+    next_experiment: Mapping[str, str | float]
+    decisions: tuple[str, ...]
+    seconds: float
+    seed: int
+    findings: tuple[str, ...] = field(default=())
+
+    @property
+    def final(self) -> Stage:
+        """The last model."""
+        return self.stages[-1]

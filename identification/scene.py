@@ -1,0 +1,109 @@
+"""What the model says about the motion at every place where an effect could sit."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from identification.evaluate import Evaluator
+from identification.hypothesis import Hypothesis
+from models.arrays import FloatArray
+from models.effects import Registry
+from models.effects.protocol import Effect, Place, Scene
+from models.plant import Plant
+from models.ports import Port
+from models.record import Record
+from models.rig import Beam, Rig, Sensor
+from models.simulate import Response, simulate
+
+GRID = 12
+"""Positions tried along the beam; the shortest wave in the band spans several."""
+
+
+def places_of(kind: type[Effect], rig: Rig) -> list[Place]:
+    """Where an effect of this kind could sit on this rig, positions on a grid that a fit refines."""
+    if not isinstance(rig.structure, Beam):
+        return [Place(sensor=s.name) for s in rig.sensors] if "sensor" in kind.places else [Place()]
+    if not kind.places:
+        return [Place()]
+    places = [Place(sleeve=s.name, position=s.position) for s in rig.sleeves] if "sleeve" in kind.places else []
+    if "position" in kind.places:
+        length = rig.structure.length
+        places += [Place(position=float(x)) for x in length * np.arange(1, GRID + 1) / GRID]
+    if "sensor" in kind.places:
+        places += [Place(sensor=s.name) for s in rig.sensors]
+    return places
+
+
+def scenes(evaluator: Evaluator, hypothesis: Hypothesis, registry: Registry) -> dict[Place, Scene]:
+    """The scene at every place of every kind, from the motion that the hypothesis predicts there.
+
+    Args:
+        evaluator: records to simulate.
+        hypothesis: the model so far.
+        registry: kinds whose places are wanted.
+    """
+    plant = hypothesis.plant()
+    places = {place for kind in registry.values() for place in places_of(kind, hypothesis.rig)}
+    positions = sorted({place.position for place in places}, key=lambda p: p or 0.0)
+    watched = replace(plant, sensors=tuple(_probes(positions)), effects=())
+    size: dict[float | None, tuple[float, float, float]] = dict.fromkeys(positions, (TINY, TINY, 0.0))
+    force = 0.0
+    for target in evaluator.targets:
+        record = replace(target.record, sensors=tuple(sensor.name for sensor in watched.sensors))
+        response = simulate(watched, record, evaluator.settings, hypothesis.starts.get(record.name))
+        moved, speed = response.channels[0::2], response.channels[1::2]
+        for i, position in enumerate(positions):
+            old = size[position]
+            size[position] = (
+                max(old[0], float(np.ptp(moved[i])) / 2),
+                max(old[1], float(np.sqrt(np.mean(speed[i] ** 2)))),
+                max(old[2], _penetration(response, position, moved[i])),
+            )
+        force = max(force, _force(target.record, response, speed))
+    return {place: _scene(place, plant, size[place.position], force or 1.0, evaluator) for place in places}
+
+
+TINY = 1e-9
+"""Motion assumed at least, m and m/s, so that trial values stay finite at a place that does not move."""
+
+
+def _probes(positions: Sequence[float | None]) -> Iterator[Sensor]:
+    for position in positions:
+        for quantity in ("displacement", "velocity"):
+            yield Sensor(name=f"{quantity} {position}", position=position, quantity=quantity)
+
+
+def _penetration(response: Response, position: float | None, moved: FloatArray) -> float:
+    model = response.model
+    deepest = 0.0
+    for contact in model.plant.contacts:
+        if contact.position == position:
+            q = model.rest.position[model.ports.index(Port(contact.position))] + moved
+            deepest = max(deepest, float(np.abs(q - contact.offset).max()) - contact.clearance)
+    return deepest
+
+
+def _force(record: Record, response: Response, speed: FloatArray) -> float:
+    """Rms of the excitation as a force; without a measured force, of the structure's inertia."""
+    excitation = response.model.plant.excitation
+    if record.excitation is not None and excitation is not None and excitation.quantity == "force":
+        return float(np.sqrt(np.mean(record.excitation**2)))
+    acceleration = np.gradient(speed[-1]) * record.fs
+    return float(np.sum(response.model.carried**2) * np.sqrt(np.mean(acceleration**2)))
+
+
+def _scene(
+    place: Place, plant: Plant, size: tuple[float, float, float], force: float, evaluator: Evaluator
+) -> Scene:
+    return Scene(
+        place=place,
+        contact=next((c for c in plant.contacts if c.sleeve == place.sleeve), None),
+        structure=plant.structure,
+        displacement=size[0],
+        velocity=size[1],
+        force=force,
+        penetration=size[2],
+        duration=max(target.record.duration for target in evaluator.targets),
+        driven_base=plant.excitation is not None and plant.excitation.quantity != "force",
+    )

@@ -1,0 +1,119 @@
+"""A cheap look at every effect at every place: how much of the misfit could it explain?
+
+For each trial value the model is simulated once. The change of the response, freed of what the rig's toleranced numbers
+could do as well, is laid on the residual; the share of chi-square that it takes away, at its best size, is the score.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from identification.evaluate import Evaluator
+from identification.fit import Fit
+from identification.scene import places_of, scenes
+from models.arrays import FloatArray
+from models.effects import Registry
+from models.effects.protocol import Effect
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Suspect:
+    """An effect with trial values and what it could explain.
+
+    Attributes:
+        effect: scaled to its best size.
+        gain: decrease of chi-square that the linear estimate promises or the trial itself shows.
+    """
+
+    effect: Effect
+    gain: float
+
+
+class Projection:
+    """Takes out of a change of the response what the fit's unknowns could do as well."""
+
+    def __init__(self, base: Fit) -> None:
+        prior = np.array([1.0 if unknown.prior else 0.0 for unknown in base.unknowns])
+        x = np.array([unknown.get(base.hypothesis) for unknown in base.unknowns])
+        self.rows = base.jacobian
+        self.residual = base.residual
+        self.inverse = np.linalg.pinv(base.jacobian @ base.jacobian.T + np.diag(prior), hermitian=True)
+        gradient = base.jacobian @ base.residual + prior * x
+        self.pull = self.inverse @ gradient
+        self.misfit = float(base.residual @ base.residual + prior @ x**2 - gradient @ self.pull)
+
+    def gain(self, change: FloatArray) -> tuple[float, float]:
+        """(decrease of chi-square, best factor) for a change of the response proportional to a trial value."""
+        shared = self.rows @ change
+        along = float(change @ self.residual - shared @ self.pull)
+        size = float(change @ change - shared @ self.inverse @ shared)
+        if size <= LEAST_SHARE * float(change @ change) or size == 0.0:
+            return 0.0, 1.0
+        best = -along / size
+        factor = min(max(best, LEAST_FACTOR), LARGEST_FACTOR)
+        return float(-2.0 * factor * along - factor**2 * size), factor
+
+
+LEAST_SHARE = 1e-6
+"""A change of which a smaller share is its own cannot be told from the rig's numbers."""
+
+LEAST_FACTOR, LARGEST_FACTOR = 1e-3, 3.0
+"""Range in which the size of an effect is believed to act in proportion; a factor at its end is only a direction."""
+
+
+def screen(evaluator: Evaluator, base: Fit, registry: Registry, progress: Progress) -> list[Suspect]:
+    """Every kind at every place, the most promising first.
+
+    Args:
+        evaluator: records to judge on.
+        base: the calibrated model on the same records.
+        registry: kinds to try.
+        progress: told how many simulations are coming.
+    """
+    trials = list(_trials(evaluator, base, registry))
+    progress(f"screening {len(trials)} trial values of {len(registry)} kinds at every place")
+    projection = Projection(base)
+    suspects: list[Suspect] = []
+    for start in range(0, len(trials), BATCH):
+        batch = trials[start : start + BATCH]
+        rows = evaluator.residuals([(base.hypothesis.with_effects(effect), None) for effect in batch])
+        for effect, row in zip(batch, rows, strict=True):
+            if row is not None:
+                gain, factor = projection.gain(row - base.residual)
+                suspects.append(Suspect(effect.scaled(factor), gain))
+    return sorted(suspects, key=lambda suspect: -suspect.gain)
+
+
+BATCH = 16
+"""Trials whose residuals are held in memory together."""
+
+
+def _trials(evaluator: Evaluator, base: Fit, registry: Registry) -> Sequence[Effect]:
+    rig = base.hypothesis.rig
+    seen = scenes(evaluator, base.hypothesis, registry)
+    present = {(e.kind, e.place) for e in base.hypothesis.effects}
+    trials: list[Effect] = []
+    for kind in registry.values():
+        if rig.structure.kind not in kind.structures:
+            continue
+        for place in places_of(kind, rig):
+            if (kind.kind, place) not in present:
+                trials.extend(kind.trials(seen[place]))
+    return trials
+
+
+def promising(suspects: Sequence[Suspect], per_kind: int) -> list[Suspect]:
+    """The best few suspects of each kind, one a place and variant, the best kind first."""
+    kept: dict[str, list[Suspect]] = {}
+    for suspect in suspects:
+        row = kept.setdefault(suspect.effect.kind, [])
+        if len(row) < per_kind and all(_differs(suspect.effect, other.effect) for other in row):
+            row.append(suspect)
+    return sorted((s for row in kept.values() for s in row), key=lambda suspect: -suspect.gain)
+
+
+def _differs(one: Effect, other: Effect) -> bool:
+    return one.place != other.place or any(getattr(one, key) != getattr(other, key) for key in one.options)
