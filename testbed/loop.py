@@ -1,0 +1,143 @@
+"""A diagnosis as ``diagnosis.json`` and as an updated rig: what scripts, benchmarks and the next round read."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from identification.result import AddedEffect, Candidate, Diagnosis, ErrorMap, Estimate, MissingForce, Score, Stage
+from models.arrays import FloatArray
+from models.effects import Effect, entry_of
+from models.record import Record
+from models.rig import Rig
+
+Json = dict[str, Any]
+
+
+def diagnose_to_json(
+    rig: Rig, records: Sequence[Record], holdout: Sequence[Record] = (), seed: int = 0, jobs: int = 2
+) -> Json:
+    """Diagnose and say the result as ``diagnosis.json`` does.
+
+    Args:
+        rig: as its owner describes it.
+        records: to learn from.
+        holdout: kept aside, to judge the updated model on.
+        seed: of every random choice.
+        jobs: threads.
+
+    Raises:
+        InputError: records that do not fit the rig.
+        ArithmeticError: the given rig's motion leaves the finite numbers.
+    """
+    from identification.diagnose import diagnose
+
+    return diagnosis_json(diagnose(rig, records, holdout, seed=seed, jobs=jobs))
+
+
+def diagnosis_json(diagnosis: Diagnosis) -> Json:
+    """The content of ``diagnosis.json``.
+
+    Args:
+        diagnosis: finished.
+    """
+    return {
+        "verdict": diagnosis.verdict,
+        "effects": [_added(added) for added in diagnosis.added],
+        "candidates": [_candidate(candidate) for candidate in diagnosis.candidates],
+        "indistinguishable": [[identity(effect) for effect in group] for group in diagnosis.indistinguishable],
+        "error": [{"model": stage.label, "nrmse": stage.score.nrmse} for stage in diagnosis.stages],
+        "holdout": _holdout(diagnosis.holdout),
+        "where": _where(diagnosis),
+        "next_experiment": dict(diagnosis.next_experiment),
+        "seconds": diagnosis.seconds,
+    }
+
+
+def updated_rig(diagnosis: Diagnosis) -> Rig:
+    """The rig with its calibrated numbers and, as further ``[[effects]]`` tables, what was added.
+
+    Args:
+        diagnosis: finished.
+    """
+    return rig_of(diagnosis.final)
+
+
+def rig_of(stage: Stage) -> Rig:
+    """The rig of one model of a diagnosis's history.
+
+    Args:
+        stage: the model.
+    """
+    rig, effects = stage.hypothesis.updated_rig, stage.hypothesis.effects
+    return rig.model_copy(update={"effects": (*rig.effects, *(entry_of(effect) for effect in effects))})
+
+
+def identity(effect: Effect) -> Json:
+    """Kind, place and options of an effect, as the files name it; a sleeve stands for its position."""
+    place = effect.place
+    where = {"sleeve": place.sleeve, "position": None if place.sleeve else place.position, "sensor": place.sensor}
+    options = {key: getattr(effect, key) for key in effect.options}
+    return {"kind": effect.kind, **{key: value for key, value in where.items() if value is not None}, **options}
+
+
+def _added(added: AddedEffect) -> Json:
+    fixed = {
+        name: {"value": getattr(added.effect, name), "std": None, "unit": about.unit}
+        for name, about in added.effect.parameters().items()
+    }
+    fitted = {estimate.name: _estimate(estimate) for estimate in added.estimates}
+    return {**identity(added.effect), "probability": added.probability, "parameters": {**fixed, **fitted}}
+
+
+def _estimate(estimate: Estimate) -> Json:
+    return {"value": estimate.value, "std": estimate.std, "unit": estimate.unit}
+
+
+def _candidate(candidate: Candidate) -> Json:
+    return {**identity(candidate.effect), "probability": candidate.probability, "nrmse": candidate.nrmse}
+
+
+def _holdout(scores: Mapping[str, Score]) -> Json:
+    if not scores:
+        return {}
+    errors: Json = {label: score.nrmse for label, score in scores.items()}
+    return {**errors, "noise_nrmse": list(scores.values())[-1].noise_nrmse}
+
+
+def _where(diagnosis: Diagnosis) -> Json:
+    """The worst sensor, band and time window of each record for the calibrated model, and the forces it lacks."""
+    sensors = {score.record.name: score.record.sensors for score in diagnosis.final.score.records}
+    return {
+        "records": [_worst(error_map, sensors[error_map.record]) for error_map in diagnosis.where],
+        "forces": [_force(force) for force in diagnosis.missing_forces],
+        "findings": list(diagnosis.findings),
+    }
+
+
+def _worst(error_map: ErrorMap, sensors: Sequence[str]) -> Json:
+    by_sensor = _rms(error_map.by_time, 1)
+    by_band, by_window = _rms(error_map.by_frequency, 0), _rms(error_map.by_time, 0)
+    sensor, band, window = (int(np.argmax(errors)) for errors in (by_sensor, by_band, by_window))
+    return {
+        "record": error_map.record,
+        "level": error_map.level,
+        "sensor": {"name": sensors[sensor], "error": float(by_sensor[sensor])},
+        "band": {"frequency": float(error_map.frequency[band]), "error": float(by_band[band])},
+        "window": {"time": float(error_map.time[window]), "error": float(by_window[window])},
+    }
+
+
+def _force(force: MissingForce) -> Json:
+    largest = int(np.argmax(np.abs(force.force)))
+    return {
+        "place": force.place,
+        "record": force.record,
+        "rms": float(np.sqrt(np.mean(force.force**2))),
+        "largest_at": largest / force.fs,
+        "unit": "N",
+    }
+
+
+def _rms(errors: FloatArray, axis: int) -> FloatArray:
+    return np.asarray(np.sqrt(np.mean(np.nan_to_num(errors) ** 2, axis=axis)))

@@ -1,0 +1,68 @@
+"""Files that people's scripts wait for: written whole or not at all."""
+
+import json
+import math
+import shutil
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from models.errors import InputError
+
+LAST = "run.json"
+"""Moved into place after all others: whoever finds it finds a finished run."""
+
+
+@contextmanager
+def staged(out: Path) -> Iterator[Path]:
+    """A folder to write into, whose files replace those of ``out`` once all are written, and vanish if one fails.
+
+    Args:
+        out: the folder of the results, made if it does not exist.
+
+    Raises:
+        InputError: the folder cannot be made or written.
+    """
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        stage = Path(tempfile.mkdtemp(prefix=".writing-", dir=out))
+    except OSError as error:
+        raise InputError(
+            f"--out {out}: {error.strerror}",
+            "results go into a folder that is open for writing",
+            "name another folder with --out",
+        ) from error
+    try:
+        yield stage
+        written = [file for file in stage.rglob("*") if file.is_file()]
+        for file in sorted(written, key=lambda file: (file.name == LAST, file)):
+            target = out / file.relative_to(stage)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            file.replace(target)
+    finally:
+        shutil.rmtree(stage, ignore_errors=True)
+
+
+def json_text(content: Any) -> str:
+    """JSON with numpy's numbers as numbers; what is not finite is null, since JSON knows no infinity.
+
+    Args:
+        content: mappings, sequences, texts and numbers.
+    """
+    return json.dumps(_plain(content), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return _plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,37 @@
+"""Results are written whole or not at all."""
+
+import pytest
+
+from models.errors import InputError
+from testbed.outputs import LAST, staged
+
+
+def test_files_and_folders_arrive_together(tmp_path):
+    with staged(tmp_path / "out") as stage:
+        (stage / "figures").mkdir()
+        (stage / "figures" / "a.png").write_text("picture")
+        (stage / LAST).write_text("{}")
+        assert not (tmp_path / "out" / LAST).exists()
+    assert sorted(str(f.relative_to(tmp_path / "out")) for f in (tmp_path / "out").rglob("*")) == [
+        "figures", "figures/a.png", LAST,
+    ]  # fmt: skip
+
+
+def test_a_failure_leaves_what_was_there(tmp_path):
+    (tmp_path / "a.json").write_text("old")
+
+    def fail():
+        with staged(tmp_path) as stage:
+            (stage / "a.json").write_text("half")
+            raise ArithmeticError
+
+    with pytest.raises(ArithmeticError):
+        fail()
+    assert [file.read_text() for file in tmp_path.rglob("*")] == ["old"]
+
+
+def test_a_folder_that_is_a_file_is_told_in_three_parts(tmp_path):
+    (tmp_path / "out").write_text("")
+    message = r"--out .*out: File exists; results go into a folder .*; name another"
+    with pytest.raises(InputError, match=message), staged(tmp_path / "out"):
+        pass
