@@ -4,15 +4,12 @@ from typing import Any
 
 from llvmlite import ir
 from numba import types
-from numba.core import cgutils
 from numba.extending import intrinsic
 
 
-@intrinsic
-def call_law(  # noqa: PLR0913
+def _call_law(
     typing_context: Any, address: Any, t: Any, q: Any, v: Any, z: Any, values: Any, offset: Any
-) -> Any:
-    """``law(t, q, v, z, &values[offset])`` for the law at ``address`` (see ``models.law.law_address``)."""
+) -> tuple[Any, Any]:
     del typing_context
     double = types.float64
     signature = double(types.int64, double, double, double, double, types.float64[::1], types.int64)
@@ -23,7 +20,11 @@ def call_law(  # noqa: PLR0913
         first = builder.gep(array.data, [offset])
         real = ir.DoubleType()
         law_type = ir.FunctionType(real, [real, real, real, real, first.type])
-        law = builder.inttoptr(address, cgutils.voidptr_t if law_type is None else law_type.as_pointer())
+        law = builder.inttoptr(address, law_type.as_pointer())
         return builder.call(law, [t, q, v, z, first])
 
     return signature, codegen
+
+
+call_law: Any = intrinsic(_call_law)
+"""``call_law(address, t, q, v, z, values, offset)`` is ``law(t, q, v, z, &values[offset])`` for a ``law_address``."""

@@ -1,6 +1,7 @@
 """What drives the plant between the samples: force and base motion with their slopes at every whole step."""
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -14,6 +15,30 @@ DERIVATIVES: dict[ExcitationQuantity, int] = {"base_displacement": 0, "base_velo
 """How often the base's displacement has been differentiated in the excitation."""
 
 JERK = 3
+
+
+class Course(NamedTuple):
+    """What the compiled stepper knows beforehand, at every whole step where it has M columns.
+
+    Attributes:
+        inputs: (n_inputs, M) known inputs.
+        slopes: (n_inputs, M) their time derivatives.
+        base: (4, M) of ``base_motion``, or (4, 0).
+        absolute: (n_ports,) 1 where the port reads absolute motion.
+        at_rest: (n_ports,) q at rest.
+        held: (n_ports,) port forces at rest, already balanced.
+        force_tolerance: N, where Newton's iteration ends.
+        bend_tolerance: N, how far a force may leave the straight line through the stages.
+    """
+
+    inputs: FloatArray
+    slopes: FloatArray
+    base: FloatArray
+    absolute: FloatArray
+    at_rest: FloatArray
+    held: FloatArray
+    force_tolerance: float
+    bend_tolerance: float
 
 
 def applied_force(plant: Plant, excitation: FloatArray, fs: float, factor: int) -> FloatArray:
@@ -41,7 +66,7 @@ def base_motion(plant: Plant, excitation: FloatArray, fs: float, factor: int, fr
         free: the record's own parameters of the effects.
     """
     h = 1.0 / (fs * factor)
-    time = np.arange(len(excitation) * factor) * h
+    time: FloatArray = np.arange(len(excitation) * factor) * h
     motions = []
     if plant.excitation is not None and plant.excitation.quantity != "force":
         known = DERIVATIVES[plant.excitation.quantity]

@@ -1,13 +1,14 @@
 """Where the finite-element nodes lie: on every named place, close enough together everywhere."""
 
 from collections.abc import Iterable
+from itertools import pairwise
 
 import numpy as np
 
 from models.arrays import FloatArray
 
 SHORTEST = 0.2
-"""Shortest element as a share of the longest; shorter ones would cost digits (stiffness grows with the inverse cube)."""
+"""Shortest element as a share of the longest; stiffness grows with the inverse cube, so shorter ones cost digits."""
 
 
 def place_nodes(length: float, named: Iterable[float], n_elements: int) -> FloatArray:
@@ -29,7 +30,6 @@ def place_nodes(length: float, named: Iterable[float], n_elements: int) -> Float
             fixed.append(place)
     fixed.sort()
     pieces = [
-        np.linspace(start, end, int(np.ceil((end - start) / longest - 1e-9)) + 1)[:-1]
-        for start, end in zip(fixed[:-1], fixed[1:], strict=True)
+        np.linspace(start, end, int(np.ceil((end - start) / longest - 1e-9)) + 1)[:-1] for start, end in pairwise(fixed)
     ]
     return np.concatenate([*pieces, [length]])

@@ -56,21 +56,26 @@ class PointForce:
         return -side * (normal if self.bilateral else max(0.0, normal))
 
 
+IS_CONTACT, BILATERAL, CLEARANCE, OFFSET, GROWTH = range(5)
+"""Columns of ``Items.contact``; the first two are 1 or 0."""
+
+
 class Items(NamedTuple):
     """The point forces as the compiled stepper reads them.
 
     Attributes:
         port: (n,) row among the ports.
-        law, rate: (n,) addresses of compiled functions; 0 where there is no internal state.
-        offset: (n,) where each one's numbers begin in ``values``.
+        law: (n,) address of the compiled law.
+        rate: (n,) address of the compiled rate of the internal state, 0 where there is none.
+        first: (n,) where each one's numbers begin in ``values``.
         values: all numbers in a row.
-        contact: (n, 5) 1 for a contact, 1 where it is bilateral, clearance, offset, growth of the clearance.
+        contact: (n, 5) ``IS_CONTACT`` to ``GROWTH``.
     """
 
     port: IntArray
     law: IntArray
     rate: IntArray
-    offset: IntArray
+    first: IntArray
     values: FloatArray
     contact: FloatArray
 
@@ -115,7 +120,7 @@ def compile_items(forces: Sequence[PointForce], ports: Sequence[Port | Stretch])
         port=np.array([index[force.port] for force in forces], np.int64),
         law=np.array([law_address(force.law) for force in forces], np.int64),
         rate=np.array([0 if force.rate is None else law_address(force.rate) for force in forces], np.int64),
-        offset=np.cumsum([0, *sizes], dtype=np.int64)[:-1],
+        first=np.cumsum([0, *sizes], dtype=np.int64)[:-1],
         values=np.array([value for force in forces for value in force.values], float),
         contact=contact,
     )

@@ -9,10 +9,10 @@ from models.arrays import FloatArray
 from models.band_limit import record_channels
 from models.effects.protocol import Measurement
 from models.errors import DivergenceError
-from models.fine.collocation import Course, march
-from models.fine.course import applied_force, base_motion
+from models.fine.collocation import march
+from models.fine.course import Course, applied_force, base_motion
+from models.fine.desk import make_desk
 from models.fine.point_forces import Stretch, compile_items
-from models.fine.stage_laws import make_desk
 from models.fine.system import FineSystem, build_system
 from models.fine.tables import make_tables
 from models.plant import Plant
@@ -65,7 +65,7 @@ def fine_response(
     plant: Plant,
     excitation: FloatArray,
     fs: float,
-    settings: FineSettings = FineSettings(),  # noqa: B008
+    settings: FineSettings = FineSettings(),
 ) -> FloatArray:
     """Simulate the channels of all sensors from rest.
 
@@ -92,9 +92,9 @@ def fine_response(
     channels = record_channels(motion.out, factor, len(excitation), fs, order)
     if base.shape[1]:
         seen = record_channels(base[:3], factor, len(excitation), fs)
-        for channel, sensor in zip(channels, plant.sensors, strict=True):
+        for i, sensor in enumerate(plant.sensors):
             if sensor.quantity in BASE_ROW:
-                channel += seen[BASE_ROW[sensor.quantity]]
+                channels[i] += seen[BASE_ROW[sensor.quantity]]
     measurement = Measurement(tuple(sensor.name for sensor in plant.sensors), fs, settings.free)
     for effect in plant.effects:
         channels = effect.change_channels(channels, measurement)
@@ -153,8 +153,8 @@ def move(
     tables = make_tables(system.omega, system.damping, system.port_rows, np.stack(inputs), h)
     state = np.zeros(2 * n) if start is None else start.copy()
     out, kept = np.empty((force.shape[1], len(rows))), np.empty((force.shape[1] if trace else 0, 3, n_ports))
-    desk = make_desk(n, n_ports, len(system.forces), len(inputs))
-    done, taken = march(desk, tables, course, items, np.ascontiguousarray(rows), out, kept, state)
+    desk = make_desk(n, n_ports, len(system.forces), len(tables.sources))
+    done, taken = march(desk, tables, course, items, state, np.ascontiguousarray(rows), out, kept)
     if done < len(out) - 1:
         raise DivergenceError(
             f"the motion grew without bound {done * h:.4f} s after the start; a passive structure stays finite; "

@@ -83,7 +83,7 @@ def build_system(plant: Plant, n_elements: int) -> FineSystem:
 
 def _mesh(plant: Plant, ports: tuple[Port | Stretch, ...], n_elements: int) -> FloatArray:
     structure = plant.structure
-    named = [hinge.position for hinge in structure.hinges]
+    named: list[float | None] = [hinge.position for hinge in structure.hinges]
     named += [port.absorber.position if isinstance(port, Stretch) else port.position for port in ports]
     named += [position for position, _ in structure.masses]
     named += [plant.excitation.position if plant.excitation is not None else None]
@@ -149,7 +149,7 @@ def find_rest(
         return np.array([(pushed(place + nudge) - pushed(place))[i] / nudge[i] for i in range(len(place))])
 
     def unbalance(q: FloatArray) -> FloatArray:
-        return weight + rows.T @ pushed(rows @ q) - omega**2 * q
+        return np.asarray(weight + rows.T @ pushed(rows @ q) - omega**2 * q)
 
     q = np.zeros(len(omega))
     scale = 1.0 / np.sqrt(omega**2 + 1e-3 * np.abs(rows.T * slopes(rows @ q)).sum(axis=1) + 1e-9)
