@@ -141,9 +141,16 @@ def natural_modes(linear: Linearised, sensors: Sequence[Sensor], highest: float)
     wanted = (value.imag > LEAST_TURN * np.abs(value)) & (np.abs(value) <= 2 * np.pi * highest)
     chosen = np.flatnonzero(wanted)[np.argsort(np.abs(value[wanted]))]
     shapes = (sensor_rows(linear.model, sensors) @ vector[:n, chosen]).T
-    largest = np.take_along_axis(shapes, np.abs(shapes).argmax(axis=1, keepdims=True), axis=1)
     size = np.abs(value[chosen])
-    return NaturalModes(size / (2 * np.pi), -value[chosen].real / size, shapes / np.where(largest == 0, 1.0, largest))
+    return NaturalModes(size / (2 * np.pi), -value[chosen].real / size, _with_largest_one(shapes))
+
+
+def _with_largest_one(shapes: ComplexArray) -> ComplexArray:
+    """Each row divided by its largest entry, unless there is no sensor or none moves."""
+    if shapes.shape[1] == 0:
+        return shapes
+    largest = np.take_along_axis(shapes, np.abs(shapes).argmax(axis=1, keepdims=True), axis=1)
+    return np.asarray(shapes / np.where(largest == 0, 1.0, largest))
 
 
 def frf(

@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from identification.result import AddedEffect, Candidate, Diagnosis, ErrorMap, Estimate, MissingForce, Score, Stage
+from identification.hypothesis import Hypothesis
+from identification.result import AddedEffect, Candidate, Diagnosis, ErrorMap, Estimate, MissingForce, Score
 from models.arrays import FloatArray
 from models.effects import Effect, entry_of
 from models.record import Record
@@ -60,16 +61,16 @@ def updated_rig(diagnosis: Diagnosis) -> Rig:
     Args:
         diagnosis: finished.
     """
-    return rig_of(diagnosis.final)
+    return rig_of(diagnosis.final.hypothesis)
 
 
-def rig_of(stage: Stage) -> Rig:
-    """The rig of one model of a diagnosis's history.
+def rig_of(hypothesis: Hypothesis) -> Rig:
+    """The rig that a hypothesis describes: its numbers, and its effects as further ``[[effects]]`` tables.
 
     Args:
-        stage: the model.
+        hypothesis: one model of the history.
     """
-    rig, effects = stage.hypothesis.updated_rig, stage.hypothesis.effects
+    rig, effects = hypothesis.updated_rig, hypothesis.effects
     return rig.model_copy(update={"effects": (*rig.effects, *(entry_of(effect) for effect in effects))})
 
 

@@ -1,0 +1,110 @@
+"""One effect added by hand: the best of its trial values at its place, then fitted with everything else."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from identification.assess import fit_effects
+from identification.evaluate import Evaluator
+from identification.hypothesis import Hypothesis
+from identification.prepare import prepare
+from identification.scene import scenes
+from models.effects import EFFECTS, Effect, Place, build_effect
+from models.effects.protocol import Parameter
+from models.errors import DivergenceError
+from models.record import Record
+from models.rig import EffectEntry, Rig
+from testbed.compare import Comparison, compare
+
+
+@dataclass(frozen=True, eq=False)
+class Added:
+    """The model before and after.
+
+    Attributes:
+        before: the rig as given.
+        after: calibrated, with the effect.
+        comparison_before: as given.
+        comparison_after: with the effect.
+    """
+
+    before: Hypothesis
+    after: Hypothesis
+    comparison_before: Comparison
+    comparison_after: Comparison
+
+    @property
+    def effect(self) -> Effect:
+        """What was added, fitted."""
+        return self.after.effects[-1]
+
+
+def add_effect(rig: Rig, entry: EffectEntry, records: Sequence[Record], *, seed: int, jobs: int) -> Added:
+    """Add one effect and fit it with the rig's toleranced numbers.
+
+    Args:
+        rig: as its owner describes it.
+        entry: kind, place and options of the effect, without its parameters.
+        records: to fit to.
+        seed: of the noise that is carried through the model.
+        jobs: threads.
+
+    Raises:
+        InputError: a kind or place that does not fit the rig.
+        DivergenceError: there is no trial value under which the motion stays finite.
+    """
+    pattern = _pattern(rig, entry)
+    before = Hypothesis(rig)
+    evaluator = prepare(before, records, jobs, np.random.default_rng(seed))
+    best = _best(evaluator, before, trials_at(evaluator, before, pattern, entry.settings), pattern)
+    after = fit_effects(before.with_effects(best), records, jobs=jobs, seed=seed)
+    comparisons = [compare(hypothesis, records, seed=seed, jobs=jobs) for hypothesis in (before, after)]
+    return Added(before, after, *comparisons)
+
+
+def _pattern(rig: Rig, entry: EffectEntry) -> Effect:
+    """The effect with placeholders for its parameters, so that its kind, place and options are checked and resolved."""
+    kind = EFFECTS.get(entry.kind)
+    parameters = kind.parameters() if kind is not None else {}
+    values = {name: _placeholder(about) for name, about in parameters.items()}
+    given = {key: value for key, value in entry.model_dump().items() if value is not None}
+    return build_effect(EffectEntry(**{**values, **given}), rig, EFFECTS)
+
+
+def _placeholder(about: Parameter) -> float | tuple[float, ...]:
+    value = min(max(1.0, about.lower), about.upper)
+    return (value, value + 1.0) if about.table else value
+
+
+def trials_at(
+    evaluator: Evaluator, hypothesis: Hypothesis, pattern: Effect, options: dict[str, Any]
+) -> tuple[Effect, ...]:
+    """The kind's trial values for what moves at the effect's place, with the options that were asked for.
+
+    Args:
+        evaluator: with the records.
+        hypothesis: the model so far.
+        pattern: of the kind, at the place.
+        options: key -> value.
+    """
+    kind, place = type(pattern), pattern.place
+    seen = scenes(evaluator, hypothesis, {kind.kind: kind})
+    nearest = min(seen, key=lambda other: _distance(other, place))
+    scene = replace(seen[nearest], place=place)
+    return tuple(dict.fromkeys(replace(trial, **options) for trial in kind.trials(scene)))
+
+
+def _distance(one: Place, other: Place) -> tuple[bool, float]:
+    """Another sleeve or sensor is no neighbour; along the beam the nearest place of the grid stands for all."""
+    differs = (one.sleeve, one.sensor) != (other.sleeve, other.sensor)
+    return differs, abs((one.position or 0.0) - (other.position or 0.0))
+
+
+def _best(evaluator: Evaluator, hypothesis: Hypothesis, trials: Sequence[Effect], pattern: Effect) -> Effect:
+    rows = evaluator.residuals([(hypothesis.with_effects(trial), None) for trial in trials])
+    sizes = [np.inf if row is None else float(row @ row) for row in rows]
+    if not np.isfinite(sizes).any():
+        raise DivergenceError(f"{pattern.label()}: the motion grew without bound for every trial value")
+    return trials[int(np.argmin(sizes))]

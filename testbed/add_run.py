@@ -1,0 +1,72 @@
+"""One effect added by hand, over files: the updated rig, its comparison and its place in the history."""
+
+import shlex
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from models.effects import Effect
+from models.errors import InputError
+from models.record import Record
+from models.rig import EffectEntry
+from testbed.add import add_effect
+from testbed.compare_json import Json
+from testbed.compare_run import write_comparison
+from testbed.history import Model, remember
+from testbed.inputs import Inputs
+from testbed.loop import rig_of
+from testbed.outputs import staged
+
+
+@dataclass(frozen=True, eq=False)
+class AddedByHand:
+    """What was added.
+
+    Attributes:
+        effect: fitted.
+        models: as given, then with the effect.
+        comparison: the content of ``compare.json``, of the latter.
+    """
+
+    effect: Effect
+    models: tuple[Model, Model]
+    comparison: Json
+
+
+def run_add(
+    inputs: Inputs, kind: str, settings: Mapping[str, Any], out: Path, *, seed: int, jobs: int, command: Sequence[str]
+) -> AddedByHand:
+    """Add one effect, fit it, and write the result.
+
+    Args:
+        inputs: rig and the records to fit to.
+        kind: of the effect.
+        settings: its place and options.
+        out: folder of the results.
+        seed: of the noise that is carried through the model.
+        jobs: threads.
+        command: as typed, for the history.
+
+    Raises:
+        InputError: an effect that does not fit the rig, a record without time histories, a folder that cannot be
+            written.
+        ArithmeticError: the motion left the finite numbers.
+    """
+    timed = [record for record in inputs.records if isinstance(record, Record)]
+    if len(timed) < len(inputs.records):
+        names = ", ".join(r.name for r in inputs.records if not isinstance(r, Record))
+        raise InputError(f"--fit {names}", "an effect is fitted to time records", "name time records only")
+    added = add_effect(inputs.rig, EffectEntry(kind=kind, **settings), timed, seed=seed, jobs=jobs)
+    given, updated = added.comparison_before.score, added.comparison_after.score
+    assert given is not None
+    assert updated is not None
+    rig = rig_of(added.after)
+    models = (
+        Model("as given", inputs.rig, given.nrmse),
+        Model(f"+ {added.effect.label()}", rig, updated.nrmse),
+    )
+    with staged(out) as stage:
+        content = write_comparison(added.comparison_after, rig, stage)
+        remember(out, stage, models, like=inputs.rig_path, command=shlex.join(command))
+    return AddedByHand(added.effect, models, content)

@@ -1,0 +1,59 @@
+"""``testbed add``: one effect by hand."""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from testbed.cli.options import AsJson, Jobs, Out, RigFile, Seed, Without, out_folder
+from testbed.cli.progress import progress
+
+EXAMPLE = 'Example: testbed add rig.toml squeeze_film --sleeve "sleeve 2" --fit sweep.uff'
+
+Kind = Annotated[
+    str, typer.Argument(metavar="KIND", help="Kind of the effect; see docs/effects.md.", show_default=False)
+]
+Fit = Annotated[
+    list[Path], typer.Option("--fit", metavar="RECORD", help="Fit to this record; may be repeated.", show_default=False)
+]
+
+
+def add(
+    rig: RigFile,
+    kind: Kind,
+    fit: Fit,
+    *,
+    sleeve: Annotated[str | None, typer.Option(metavar="NAME", help="At this sleeve.")] = None,
+    position: Annotated[float | None, typer.Option(metavar="M", help="At this position, m from the clamp.")] = None,
+    sensor: Annotated[str | None, typer.Option(metavar="NAME", help="On this sensor.")] = None,
+    against: Annotated[str | None, typer.Option(metavar="FRAME", help="base or ground, where the kind has it.")] = None,
+    out: Out = None,
+    without: Without = None,
+    seed: Seed = 0,
+    jobs: Jobs = 2,
+    as_json: AsJson = False,
+) -> None:
+    """Add one effect and fit it: rig.updated.toml, compare.json and figures."""
+    given = {"sleeve": sleeve, "position": position, "sensor": sensor, "against": against}
+    settings = {key: value for key, value in given.items() if value is not None}
+    with progress() as tell:
+        from testbed.add_run import run_add
+        from testbed.inputs import read_inputs
+
+        inputs = read_inputs(rig, fit, without=without or ())
+        tell(f"adding {kind} and fitting it to {', '.join(record.name for record in inputs.records)}")
+        folder = out_folder(out, rig)
+        command = ["testbed", *sys.argv[1:]]
+        added = run_add(inputs, kind, settings, folder, seed=seed, jobs=jobs, command=command)
+    from testbed.cli.tables import print_comparison, print_json, print_table, say
+
+    if as_json:
+        print_json(added.comparison)
+        return
+    print_table(("model", "NRMSE"), [(model.label, model.nrmse) for model in added.models], "error")
+    names = added.effect.parameters()
+    rows = [(name, getattr(added.effect, name), about.unit) for name, about in names.items()]
+    print_table(("parameter", "value", "unit"), rows, added.effect.label())
+    print_comparison(added.comparison)
+    say(f"written: {folder}/rig.updated.toml, compare.json and figures")

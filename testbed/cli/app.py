@@ -1,0 +1,88 @@
+"""All commands together, and what becomes of an error: one message in three parts and exit status 2."""
+
+import sys
+from collections.abc import Sequence
+from typing import Annotated
+
+import typer
+from typer.main import get_command
+
+from models.errors import InputError
+from testbed import __version__
+from testbed.cli import add, check, compare, demo, diagnose, frf, history, modes, undo
+
+app = typer.Typer(name="testbed", add_completion=False, pretty_exceptions_enable=False)
+
+for module, command in (
+    (demo, demo.demo),
+    (check, check.check),
+    (compare, compare.compare),
+    (diagnose, diagnose.diagnose),
+    (add, add.add),
+    (history, history.history),
+    (undo, undo.undo),
+    (modes, modes.modes),
+    (frf, frf.frf),
+):
+    app.command(epilog=module.EXAMPLE)(command)
+
+BAD_INPUT, INTERRUPTED = 2, 130
+
+# typer brings its own click or uses the installed one; its BadParameter is a UsageError of whichever it is.
+UsageErrors: tuple[type[Exception], ...] = tuple(kind for kind in typer.BadParameter.__mro__ if kind.__name__ == "UsageError")
+
+
+@app.callback(invoke_without_command=True)
+def root(
+    context: typer.Context,
+    version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
+) -> None:
+    """From a test record to the missing physics, for beams that rest in clearance sleeves."""
+    if version:
+        print(f"testbed {__version__}")
+    elif context.invoked_subcommand is None:
+        print(context.get_help())
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Run one command and return its exit status.
+
+    Args:
+        arguments: as typed after ``testbed``.
+    """
+    try:
+        status = get_command(app).main(args=list(arguments), prog_name="testbed", standalone_mode=False)
+    except InputError as error:
+        return _refuse(str(error))
+    except UsageErrors as error:
+        return _refuse(_usage(error))
+    except ArithmeticError as error:
+        return _refuse(
+            f"the computation left the finite numbers: {error}; a passive rig stays finite under its measured "
+            "excitation; check the rig's numbers and the record's units with testbed check"
+        )
+    except OSError as error:
+        where = f"{error.filename}: " if error.filename else ""
+        return _refuse(f"{where}{error.strerror or error}; files can be read and written; check the path and its space")
+    except (KeyboardInterrupt, typer.Abort):
+        print("interrupted; no half-written file is left behind", file=sys.stderr)
+        return INTERRUPTED
+    return status if isinstance(status, int) else 0
+
+
+def _usage(error: BaseException) -> str:
+    """A wrong option or argument in three parts, with the help to look into."""
+    context = getattr(error, "ctx", None)
+    command = context.command_path if context is not None else "testbed"
+    message = error.format_message() if hasattr(error, "format_message") else str(error)
+    return f"{command}: {message.rstrip('.')}; a command takes what its help shows; see {command} --help"
+
+
+def _refuse(message: str) -> int:
+    print(message, file=sys.stderr)
+    return BAD_INPUT
+
+
+def run() -> None:
+    """Run what was typed and leave with its exit status."""
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,32 @@
+"""Arguments and options that several commands share."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+RigFile = Annotated[Path, typer.Argument(metavar="RIG", help="Rig file (TOML).", show_default=False)]
+Records = Annotated[
+    list[Path],
+    typer.Argument(metavar="RECORD", help="Records: .uff .unv .csv .mat .h5 .hdf5 .npz.", show_default=False),
+]
+Out = Annotated[
+    Path | None, typer.Option("--out", metavar="DIR", help="Folder of the results; by default results/<rig's name>.")
+]
+Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of every random choice.")]
+Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Threads.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print the JSON, and nothing else, on standard output.")]
+Without = Annotated[
+    list[str] | None,
+    typer.Option("--without", metavar="NAME", help="Leave this channel out; may be repeated.", show_default=False),
+]
+
+
+def out_folder(out: Path | None, file: Path) -> Path:
+    """Where results go: as asked for, or ``results/<name of the file>``.
+
+    Args:
+        out: from ``--out``.
+        file: the rig or record that the command is about.
+    """
+    return Path("results") / file.stem if out is None else out

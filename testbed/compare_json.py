@@ -1,0 +1,86 @@
+"""A comparison as ``compare.json``."""
+
+from typing import Any
+
+import numpy as np
+
+from identification.result import RecordScore
+from models.arrays import FloatArray
+from testbed.compare import Comparison, FrfPair, ModePair
+from testbed.metrics import BAND_LINES, channel_csac, channel_csf, frac, mre, nrmse, overall_nrmse
+
+Json = dict[str, Any]
+
+
+def comparison_json(comparison: Comparison) -> Json:
+    """The content of ``compare.json``.
+
+    The overall figures are those of the time records, or of the FRFs where there is no time record; what a record does
+    not tell (the noise of FRFs, the FRFs of a free decay) is null.
+
+    Args:
+        comparison: finished.
+    """
+    pairs = {pair.record: pair for pair in comparison.frfs}
+    timed = comparison.score.records if comparison.score is not None else ()
+    names = {row.record.name for row in timed}
+    linear = [_frf_row(pair) for pair in comparison.frfs if pair.record not in names]
+    return {
+        "nrmse": comparison.score.nrmse if comparison.score is not None else _overall(linear),
+        "noise_nrmse": comparison.score.noise_nrmse if comparison.score is not None else None,
+        "records": [
+            *(_time_row(row, pairs.get(row.record.name)) for row in timed),
+            *linear,
+            *(_modes_row(pair) for pair in comparison.modes),
+        ],
+    }
+
+
+def _overall(rows: list[Json]) -> float | None:
+    return overall_nrmse([row["nrmse"] for row in rows]) if rows else None
+
+
+def _time_row(row: RecordScore, pair: FrfPair | None) -> Json:
+    figures = _frf_figures(pair) if pair is not None else [_NO_FIGURES] * len(row.record.sensors)
+    columns = zip(row.record.sensors, row.channel_nrmse, row.channel_noise_nrmse, figures, strict=True)
+    channels = [{"sensor": name, "nrmse": error, "noise_nrmse": noise, **more} for name, error, noise, more in columns]
+    return {"record": row.record.name, "nrmse": row.nrmse, "noise_nrmse": row.noise_nrmse, "channels": channels}
+
+
+def _frf_row(pair: FrfPair) -> Json:
+    errors = [_complex_nrmse(pair.predicted[i : i + 1], pair.measured[i : i + 1]) for i in range(len(pair.sensors))]
+    columns = zip(pair.sensors, errors, _frf_figures(pair), strict=True)
+    channels = [{"sensor": name, "nrmse": error, "noise_nrmse": None, **more} for name, error, more in columns]
+    whole = _complex_nrmse(pair.predicted, pair.measured)
+    return {"record": pair.record, "nrmse": whole, "noise_nrmse": None, "channels": channels}
+
+
+def _complex_nrmse(predicted: Any, measured: Any) -> float:
+    """The error of FRFs over their lines, real and imaginary parts as two signals."""
+    return nrmse(np.hstack([predicted.real, predicted.imag]), np.hstack([measured.real, measured.imag]))
+
+
+_NO_FIGURES: Json = {"mre": None, "frac": None, "csac": None, "csf": None}
+
+
+def _frf_figures(pair: FrfPair) -> list[Json]:
+    """The correlation figures of each sensor's FRF; the band of CSAC and CSF narrows where there are few lines."""
+    n_lines = len(pair.frequency)
+    if n_lines < 2:
+        return [_NO_FIGURES] * len(pair.sensors)
+    band, columns = min(BAND_LINES, n_lines), (pair.predicted, pair.measured)
+    figures: dict[str, FloatArray] = {
+        "mre": mre(*columns),
+        "frac": frac(*columns),
+        "csac": channel_csac(*columns, n_band=band),
+        "csf": channel_csf(*columns, n_band=band),
+    }
+    return [{name: float(values[i]) for name, values in figures.items()} for i in range(len(pair.sensors))]
+
+
+def _modes_row(pair: ModePair) -> Json:
+    measured_damping = pair.measured_damping if pair.measured_damping is not None else [None] * len(pair.mac)
+    columns = zip(pair.measured_freqs, pair.model_freqs, measured_damping, pair.model_damping, pair.mac, strict=True)
+    keys = ("measured_freq", "model_freq", "measured_damping_ratio", "model_damping_ratio", "mac")
+    modes = [dict(zip(keys, column, strict=True)) for column in columns]
+    return {"record": pair.record, "nrmse": None, "noise_nrmse": None, "channels": [], "modes": modes}

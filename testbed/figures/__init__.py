@@ -1,0 +1,1 @@
+"""Plots of finished results: each takes an axes and values and computes nothing; ``sets`` draws them to files."""

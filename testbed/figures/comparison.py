@@ -1,0 +1,97 @@
+"""The figures of a comparison: overlays with a zoom, FRFs with coherence, errors beside the noise floor, modes."""
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from identification.result import RecordScore
+from models.rig import Rig
+from testbed.compare import Comparison, FrfPair
+from testbed.figures.bars import plot_errors
+from testbed.figures.frf import plot_coherence, plot_frf
+from testbed.figures.overlay import plot_overlay
+from testbed.figures.save import save
+from testbed.quantities import frf_unit, unit_of
+
+ZOOM_SHARE = 0.05
+"""Share of a record that the zoom shows, about the sample with the largest error."""
+
+
+def save_comparison(comparison: Comparison, rig: Rig, folder: Path) -> None:
+    """Draw all figures of a comparison into a folder.
+
+    Args:
+        comparison: finished.
+        rig: for the units.
+        folder: made if it does not exist.
+    """
+    for row in comparison.score.records if comparison.score is not None else ():
+        save(overlay_figure(row, rig), folder, f"{row.record.name}-time")
+        save(errors_figure(row), folder, f"{row.record.name}-nrmse")
+    for pair in comparison.frfs:
+        save(frf_figure(pair, rig), folder, f"{pair.record}-frf")
+
+
+def overlay_figure(row: RecordScore, rig: Rig) -> Figure:
+    """Every channel over the whole record, and beside it where the error is largest.
+
+    Args:
+        row: one record of a score.
+        rig: for the units.
+    """
+    record, n = row.record, len(row.record.sensors)
+    figure = Figure(figsize=(10.0, 1.9 * n), layout="constrained")
+    axes = figure.subplots(n, 2, squeeze=False, width_ratios=(3, 2))
+    for i, name in enumerate(record.sensors):
+        zoom = _zoom(row, i)
+        label = f"{name} [{unit_of(rig.sensor(name).quantity)}]"
+        plot_overlay(axes[i, 0], record.time, record.responses[i], row.predicted[i], label)
+        plot_overlay(axes[i, 1], record.time[zoom], record.responses[i, zoom], row.predicted[i, zoom], label)
+        axes[i, 0].set_title(f"NRMSE {row.channel_nrmse[i]:.3g}, noise {row.channel_noise_nrmse[i]:.2g}", fontsize=9)
+        axes[i, 1].set_title("where the error is largest", fontsize=9)
+    axes[0, 0].legend(loc="upper right", fontsize=8)
+    return figure
+
+
+def _zoom(row: RecordScore, sensor: int) -> slice:
+    n = row.record.n_samples
+    half = max(int(0.5 * ZOOM_SHARE * n), min(20, n // 2))
+    worst = int(np.argmax(np.abs(row.predicted[sensor] - row.record.responses[sensor])))
+    centre = min(max(worst, half), n - half)
+    return slice(centre - half, centre + half)
+
+
+def errors_figure(row: RecordScore) -> Figure:
+    """Error of each channel beside the noise floor.
+
+    Args:
+        row: one record of a score.
+    """
+    figure = Figure(figsize=(max(5.0, 0.8 * len(row.record.sensors)), 3.2), layout="constrained")
+    ax = figure.subplots()
+    plot_errors(ax, row.record.sensors, row.channel_nrmse, row.channel_noise_nrmse)
+    ax.set_title(f"{row.record.name}: NRMSE {row.nrmse:.3g}, noise floor {row.noise_nrmse:.2g}", fontsize=9)
+    ax.legend(fontsize=8)
+    return figure
+
+
+def frf_figure(pair: FrfPair, rig: Rig) -> Figure:
+    """Measured and predicted FRF of every sensor, above its coherence where the record tells it.
+
+    Args:
+        pair: on the same lines.
+        rig: for the units.
+    """
+    n, rows = len(pair.sensors), 1 if pair.coherence is None else 2
+    figure = Figure(figsize=(9.0, 2.3 * n * rows / 1.4), layout="constrained")
+    ratios = [1.0] * n if rows == 1 else [2.0, 1.0] * n
+    axes = figure.subplots(rows * n, 1, squeeze=False, height_ratios=ratios, sharex=True)[:, 0]
+    for i, name in enumerate(pair.sensors):
+        label = f"{name} [{frf_unit(rig, name)}]"
+        plot_frf(axes[rows * i], pair.frequency, {"measured": pair.measured[i], "predicted": pair.predicted[i]}, label)
+        if pair.coherence is not None:
+            plot_coherence(axes[rows * i + 1], pair.frequency, pair.coherence[i])
+    axes[0].set_title(pair.record, fontsize=9)
+    axes[0].legend(fontsize=8)
+    return figure

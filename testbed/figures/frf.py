@@ -1,0 +1,39 @@
+"""FRF magnitudes and coherence over frequency."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from models.arrays import ComplexArray, FloatArray
+
+STYLES = ({"color": "0.35"}, {"color": "tab:red", "linestyle": "--"}, {"color": "tab:blue", "linestyle": ":"})
+
+
+def plot_frf(ax: Axes, frequency: FloatArray, curves: Mapping[str, ComplexArray], label: str) -> None:
+    """Magnitudes of several FRFs of one sensor.
+
+    Args:
+        ax: to draw on.
+        frequency: (n_freq,) Hz.
+        curves: legend -> (n_freq,) FRF.
+        label: of the vertical axis.
+    """
+    for (name, values), style in zip(curves.items(), STYLES * len(curves), strict=False):
+        ax.semilogy(frequency, np.abs(values), linewidth=0.9, label=name, **style)
+    ax.set_ylabel(label)
+    ax.set_xlabel("frequency [Hz]")
+
+
+def plot_coherence(ax: Axes, frequency: FloatArray, coherence: FloatArray) -> None:
+    """Coherence of one sensor with the excitation.
+
+    Args:
+        ax: to draw on.
+        frequency: (n_freq,) Hz.
+        coherence: (n_freq,) from 0 to 1.
+    """
+    ax.plot(frequency, coherence, color="tab:green", linewidth=0.8)
+    ax.set_ylim(0.0, 1.05)
+    ax.set_ylabel("coherence [-]")
+    ax.set_xlabel("frequency [Hz]")

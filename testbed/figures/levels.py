@@ -1,0 +1,26 @@
+"""The figure of one sensor's FRFs at each level."""
+
+from matplotlib.figure import Figure
+
+from testbed.figures.frf import plot_coherence, plot_frf
+from testbed.frf_record import Levels
+
+
+def levels_figure(levels: Levels, sensor: int) -> Figure:
+    """H1 and H2 of every level above their coherence, one column a level.
+
+    Args:
+        levels: finished.
+        sensor: index of the sensor.
+    """
+    channels, n = levels.channels, len(levels.estimates)
+    figure = Figure(figsize=(max(7.0, 4.0 * n), 5.0), layout="constrained")
+    axes = figure.subplots(2, n, squeeze=False, sharex=True, sharey="row", height_ratios=(2, 1))
+    for column, estimate in enumerate(levels.estimates):
+        curves = {"H1": estimate.h1[sensor], "H2": estimate.h2[sensor]}
+        label = f"{channels.sensors[sensor]} [{channels.units[sensor]}]"
+        plot_frf(axes[0, column], estimate.frequency, curves, label)
+        plot_coherence(axes[1, column], estimate.frequency, estimate.coherence[sensor])
+        axes[0, column].set_title(f"rms {estimate.level:.3g} {channels.excitation_unit}", fontsize=9)
+    axes[0, 0].legend(fontsize=8)
+    return figure

@@ -1,0 +1,23 @@
+"""The figure of a rig's modes."""
+
+from matplotlib.figure import Figure
+
+from testbed.figures.shapes import plot_shape
+from testbed.modes import RigModes, sleeves_at_rest
+
+
+def modes_figure(found: RigModes) -> Figure:
+    """Real part of every mode shape along the beam, with the sleeves; filled where they touch at rest.
+
+    Args:
+        found: of a beam.
+    """
+    assert found.x is not None
+    n = len(found.modes.natural_freqs)
+    figure = Figure(figsize=(7.0, 1.5 * n), layout="constrained")
+    axes = figure.subplots(n, 1, squeeze=False, sharex=True)[:, 0]
+    sleeves = [(row["position"], row["touches"]) for row in sleeves_at_rest(found)]
+    for i, ax in enumerate(axes):
+        title = f"{found.modes.natural_freqs[i]:.2f} Hz, damping ratio {100 * found.modes.damping_ratios[i]:.3g} %"
+        plot_shape(ax, found.x, found.shapes[i].real, sleeves, title)
+    return figure

@@ -1,0 +1,25 @@
+"""Mode shapes along the beam."""
+
+from collections.abc import Sequence
+
+from matplotlib.axes import Axes
+
+from models.arrays import FloatArray
+
+
+def plot_shape(ax: Axes, x: FloatArray, shape: FloatArray, sleeves: Sequence[tuple[float, bool]], title: str) -> None:
+    """One mode shape, with the sleeves that touch filled and the others hollow.
+
+    Args:
+        ax: to draw on.
+        x: (n,) m from the clamp.
+        shape: (n,) displacement, any scale.
+        sleeves: position in m, and whether it touches.
+        title: above the axes.
+    """
+    ax.axhline(0.0, color="0.8", linewidth=0.8)
+    ax.plot(x, shape, color="tab:blue", linewidth=1.2)
+    for position, touches in sleeves:
+        ax.plot([position], [0.0], marker="^", color="tab:red", fillstyle="full" if touches else "none")
+    ax.set_title(title, fontsize=9)
+    ax.set_xlabel("position [m]")

@@ -1,0 +1,96 @@
+"""What a command works on: a rig file and records, read once, with the digests by which a run is recognised."""
+
+import hashlib
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from models.errors import InputError
+from models.record import AnyRecord, Record
+from models.rig import Rig
+from models.rig_file import read_rig
+from testbed import __version__
+from testbed.records.read import read_record
+
+
+@dataclass(frozen=True, eq=False)
+class Inputs:
+    """A rig and its records.
+
+    Attributes:
+        rig_path: the rig file.
+        rig: what it says.
+        records: to compare with or learn from.
+        holdout: kept aside.
+        digests: version, SHA-256 of every file's bytes, and the channels left out.
+    """
+
+    rig_path: Path
+    rig: Rig
+    records: tuple[AnyRecord, ...]
+    holdout: tuple[AnyRecord, ...]
+    digests: dict[str, Any]
+
+    @property
+    def findings(self) -> tuple[str, ...]:
+        """What the reader noticed in the records."""
+        return tuple(finding for r in (*self.records, *self.holdout) if isinstance(r, Record) for finding in r.findings)
+
+
+def read_inputs(
+    rig_path: Path,
+    records: Sequence[Path],
+    holdout: Sequence[Path] = (),
+    *,
+    without: Sequence[str] = (),
+    strict: bool = True,
+) -> Inputs:
+    """Read a rig and its records.
+
+    Args:
+        rig_path: the rig file.
+        records: files.
+        holdout: files kept aside.
+        without: channels to leave out.
+        strict: whether a dead, missing or implausible channel is an error.
+
+    Raises:
+        InputError: a file that cannot be used, or two records of one name.
+    """
+    rig = read_rig(rig_path)
+    check_names([*records, *holdout])
+    return Inputs(
+        rig_path,
+        rig,
+        tuple(read_record(path, rig, without=without, strict=strict) for path in records),
+        tuple(read_record(path, rig, without=without, strict=strict) for path in holdout),
+        {
+            "version": __version__,
+            "rig": sha256(rig_path),
+            "records": {path.name: sha256(path) for path in records},
+            "holdout": {path.name: sha256(path) for path in holdout},
+            "without": sorted(without),
+        },
+    )
+
+
+def check_names(paths: Sequence[Path]) -> None:
+    """Whether each record has a name of its own, by which results and reports call it.
+
+    Raises:
+        InputError: two have the same.
+    """
+    for name, number in Counter(path.name for path in paths).items():
+        if number > 1:
+            raise InputError(
+                f"{name} is named {number} times",
+                "each record is named once, and a record kept aside is not one to learn from",
+                "name it once, or rename one of two different files",
+            )
+
+
+def sha256(path: Path) -> str:
+    """Hexadecimal SHA-256 of a file's bytes."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
