@@ -10,7 +10,7 @@ from numba.extending import intrinsic
 def _call_law(
     typing_context: Any, address: Any, t: Any, q: Any, v: Any, z: Any, values: Any, offset: Any
 ) -> tuple[Any, Any]:
-    del typing_context
+    del typing_context, address, t, q, v, z, values, offset  # only their types matter here
     double = types.float64
     signature = double(types.int64, double, double, double, double, types.float64[::1], types.int64)
 

@@ -1,7 +1,7 @@
 """The compiled march: Gauss collocation with implicit point forces, finer where a force is not smooth.
 
-Through one step a contact stays as it is, open or closed, so that every equation solved is smooth. A step is repeated at
-a quarter of its size where a contact turned out to open or close within it, or where the force at a port leaves the
+Through one step a contact stays as it is, open or closed, so that every equation solved is smooth. A step is repeated
+at a quarter of its size where a contact turned out to open or close within it, or where the force at a port leaves the
 straight line through the two stages; the smallest step, h / 256, is taken as it comes.
 """
 

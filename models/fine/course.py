@@ -66,7 +66,7 @@ def base_motion(plant: Plant, excitation: FloatArray, fs: float, factor: int, fr
         free: the record's own parameters of the effects.
     """
     h = 1.0 / (fs * factor)
-    time: FloatArray = np.arange(len(excitation) * factor) * h
+    time = h * np.arange(len(excitation) * factor, dtype=float)
     motions = []
     if plant.excitation is not None and plant.excitation.quantity != "force":
         known = DERIVATIVES[plant.excitation.quantity]

@@ -109,17 +109,23 @@ def correct(desk: Desk, tables: Tables, items: Items, level: int, size: int) -> 
 
 
 @njit(**OPTIONS)
+def pivot(matrix: FloatArray, right: FloatArray, k: int, n: int) -> None:
+    """Bring the equation with the largest coefficient in column k to row k."""
+    best = k
+    for i in range(k + 1, n):
+        if abs(matrix[i, k]) > abs(matrix[best, k]):
+            best = i
+    if best != k:
+        right[k], right[best] = right[best], right[k]
+        for j in range(k, n):
+            matrix[k, j], matrix[best, j] = matrix[best, j], matrix[k, j]
+
+
+@njit(**OPTIONS)
 def eliminate(matrix: FloatArray, right: FloatArray, n: int) -> None:
     """Solve the leading n equations in place by elimination with pivots; the solution stands in ``right``."""
     for k in range(n):
-        best = k
-        for i in range(k + 1, n):
-            if abs(matrix[i, k]) > abs(matrix[best, k]):
-                best = i
-        if best != k:
-            right[k], right[best] = right[best], right[k]
-            for j in range(k, n):
-                matrix[k, j], matrix[best, j] = matrix[best, j], matrix[k, j]
+        pivot(matrix, right, k, n)
         for i in range(k + 1, n):
             share = matrix[i, k] / matrix[k, k]
             if share != 0.0:

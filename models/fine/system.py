@@ -6,17 +6,12 @@ from math import sqrt
 import numpy as np
 
 from models.arrays import FloatArray
-from models.errors import InputError
+from models.fine.equilibrium import find_rest, forces_at
 from models.fine.finite_elements import FiniteElements, assemble
 from models.fine.mesh import place_nodes
 from models.fine.point_forces import PointForce, Stretch, point_forces
 from models.plant import Plant
 from models.ports import Port
-
-REST_TOLERANCE = 1e-13
-"""Largest change of a port's position in the last iteration at rest, m."""
-
-MAX_ITERATIONS = 200
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,64 +105,3 @@ def _port_row(elements: FiniteElements | None, carried: FloatArray, port: Port |
     own = len(carried) - n_hung + port.number
     row[own] = 1.0 / carried[own]
     return row
-
-
-def forces_at(place: FloatArray, ports: tuple[Port | Stretch, ...], forces: tuple[PointForce, ...]) -> FloatArray:
-    """(n_ports,) forces on the structure, N, where the ports stand still at a place, (n_ports,) m."""
-    total, index = np.zeros(len(ports)), {port: i for i, port in enumerate(ports)}
-    for force in forces:
-        i = index[force.port]
-        total[i] += force.at_rest(float(place[i]))
-    return total
-
-
-def find_rest(
-    omega: FloatArray,
-    weight: FloatArray,
-    rows: FloatArray,
-    ports: tuple[Port | Stretch, ...],
-    forces: tuple[PointForce, ...],
-) -> FloatArray:
-    """(n,) coordinates where omega^2 q = weight + rows' F, by Newton's method with step control.
-
-    Args:
-        omega: (n,) rad/s.
-        weight: (n,) generalised force of gravity.
-        rows: (n_ports, n) motion of the ports.
-        ports: of the rows.
-        forces: what acts there.
-
-    Raises:
-        InputError: none is found.
-    """
-
-    def pushed(place: FloatArray) -> FloatArray:
-        return forces_at(place, ports, forces)
-
-    def slopes(place: FloatArray) -> FloatArray:
-        nudge = 1e-9 * (1.0 + np.abs(place))
-        return np.array([(pushed(place + nudge) - pushed(place))[i] / nudge[i] for i in range(len(place))])
-
-    def unbalance(q: FloatArray) -> FloatArray:
-        return np.asarray(weight + rows.T @ pushed(rows @ q) - omega**2 * q)
-
-    q = np.zeros(len(omega))
-    scale = 1.0 / np.sqrt(omega**2 + 1e-3 * np.abs(rows.T * slopes(rows @ q)).sum(axis=1) + 1e-9)
-    now = unbalance(q)
-    for _ in range(MAX_ITERATIONS):
-        if not np.any(now):
-            return q
-        tangent = np.diag(omega**2) - (rows.T * slopes(rows @ q)) @ rows
-        step = np.linalg.lstsq(tangent * np.outer(scale, scale), now * scale, rcond=1e-15)[0] * scale
-        share = 1.0
-        while np.linalg.norm(unbalance(q + share * step) * scale) > np.linalg.norm(now * scale) and share > 1e-9:
-            share *= 0.5
-        q = q + share * step
-        now = unbalance(q)
-        if np.abs(rows @ step).max(initial=0.0) < REST_TOLERANCE:
-            return q
-    raise InputError(
-        "the state at rest: no equilibrium was found",
-        "the structure rests where gravity, sleeves and effects balance",
-        "look for a stiffness that is negative or an offset larger than the structure can reach",
-    )

@@ -16,7 +16,8 @@ def random_phase_multisine(
         fs: Hz.
         n_samples: of the whole signal; divisible by ``n_periods``.
         n_periods: how often the sum repeats.
-        low, high: band, Hz.
+        low: lower end of the band, Hz.
+        high: upper end, Hz.
         rms: of the signal, in its unit.
 
     Returns:
@@ -54,7 +55,8 @@ def logarithmic_sweep(fs: float, n_samples: int, low: float, high: float, amplit
     Args:
         fs: Hz.
         n_samples: of the signal.
-        low, high: first and last frequency, Hz.
+        low: first frequency, Hz.
+        high: last frequency, Hz.
         amplitude: peak, in the signal's unit.
 
     Returns:

@@ -17,8 +17,8 @@ class Noise:
     Attributes:
         response: rms as a share of a signal's rms.
         excitation: rms as a share of the excitation's rms.
-        share_of: ``quantity``: of the rms over all channels of the same quantity, so that every sensor of a kind has the
-            same noise and a quiet one shows it more; ``channel``: of each channel's own rms.
+        share_of: ``quantity``: of the rms over all channels of the same quantity, so that all sensors of a kind have
+            the same noise and a quiet one shows it more; ``channel``: of each channel's own rms.
         noise: ``after`` the recorder's low-pass, white to half the sampling rate (the converter's), or ``before`` it,
             so that the low-pass cuts it too (the sensor's).
     """
@@ -36,7 +36,7 @@ class Noise:
         if self.share_of == "quantity":
             kinds = np.array([sensor.quantity for sensor in sensors])
             power = np.array([np.mean(power[kinds == kind]) for kind in kinds])
-        return channels + self.response * np.sqrt(power)[:, None] * self._white(channels.shape, fs, rng)
+        return np.asarray(channels + self.response * np.sqrt(power)[:, None] * self._white(channels.shape, fs, rng))
 
     def on_excitation(self, excitation: FloatArray, fs: float, rng: np.random.Generator) -> FloatArray:
         """(N,) the measured excitation with noise."""
