@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.linalg import eigh
@@ -52,10 +52,10 @@ class ModalModel:
         return len(self.omega)
 
     def rows(self, position: float | None, derivative: int = 0) -> FloatArray:
-        """(n,) displacement (slope, curvature) at a position by modal coordinate; on an oscillator there is only one."""
+        """(n,) displacement (slope, curvature) at a position by modal coordinate; an oscillator has one only."""
         if self._matrices is None:
             return np.asarray(self._modes[0])
-        return np.asarray(self._matrices.rows(position or 0.0, derivative)[0] @ self._modes)
+        return np.asarray(self._matrices.row(position or 0.0, derivative) @ self._modes)
 
     @cached_property
     def port_rows(self) -> FloatArray:
@@ -81,24 +81,44 @@ def build_modal(plant: Plant, band: float, n_modes: int | None = None) -> ModalM
         concentrated.append(plant.excitation.position)
     loads = tuple(sorted({p for p in concentrated if p is not None}))
     kept = n_modes if n_modes is not None else modes_below(plant.structure, BAND_MARGIN * band)
-    matrices = assemble_beam(plant.structure, kept + SPARE_MODES, loads)
-    modes, square = _reduce(matrices, kept, loads)
+    beam = _reduced_beam(plant.structure, kept, loads)
+    rows = _port_rows(beam.matrices, ports)
     rest = find_rest(
         plant,
         ports,
-        sag=_port_rows(matrices, ports) @ solve_static(matrices.stiffness, matrices.weight),
-        flexibility=_flexibility(matrices, ports),
+        sag=rows @ solve_static(beam.matrices.stiffness, beam.matrices.weight),
+        flexibility=rows @ solve_static(beam.matrices.stiffness, rows.T),
     )
     return ModalModel(
         plant=plant,
         ports=ports,
-        omega=np.sqrt(square),
-        damping=_tidy(modes.T @ matrices.damping @ modes),
-        carried=modes.T @ matrices.carried,
+        omega=beam.omega,
+        damping=beam.damping,
+        carried=beam.carried,
         rest=rest,
-        _matrices=matrices,
-        _modes=modes,
+        _matrices=beam.matrices,
+        _modes=beam.modes,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _ReducedBeam:
+    """What of a modal model depends on the linear structure alone; see ``ModalModel``."""
+
+    matrices: BeamMatrices
+    modes: FloatArray
+    omega: FloatArray
+    damping: FloatArray
+    carried: FloatArray
+
+
+@lru_cache(maxsize=256)
+def _reduced_beam(structure: Structure, kept: int, loads: tuple[float, ...]) -> _ReducedBeam:
+    """The beam in ``kept`` modes and the residual shapes of ``loads``, kept while only contacts and laws change."""
+    matrices = assemble_beam(structure, kept + SPARE_MODES, loads)
+    modes, square = _reduce(matrices, kept, loads)
+    damping = _tidy(modes.T @ matrices.damping @ modes)
+    return _ReducedBeam(matrices, modes, np.sqrt(square), damping, modes.T @ matrices.carried)
 
 
 def modes_below(structure: Structure, freq: float) -> int:
@@ -133,14 +153,8 @@ def _oscillator(plant: Plant, ports: tuple[Port, ...]) -> ModalModel:
 
 
 def _port_rows(matrices: BeamMatrices, ports: Sequence[Port]) -> FloatArray:
-    if not ports:
-        return np.empty((0, len(matrices.weight)))
-    return np.vstack([matrices.rows(port.position or 0.0, port.derivative) for port in ports])
-
-
-def _flexibility(matrices: BeamMatrices, ports: Sequence[Port]) -> FloatArray:
-    rows = _port_rows(matrices, ports)
-    return rows @ solve_static(matrices.stiffness, rows.T) if len(rows) else np.empty((0, 0))
+    rows = [matrices.row(port.position or 0.0, port.derivative) for port in ports]
+    return np.stack(rows) if rows else np.empty((0, len(matrices.weight)))
 
 
 def _reduce(matrices: BeamMatrices, kept: int, loads: tuple[float, ...]) -> tuple[FloatArray, FloatArray]:
@@ -152,7 +166,7 @@ def _reduce(matrices: BeamMatrices, kept: int, loads: tuple[float, ...]) -> tupl
     square, phi = eigh(matrices.stiffness, matrices.mass)
     if not loads:
         return phi[:, :kept], square[:kept]
-    rows = matrices.rows(np.array(loads))
+    rows = np.stack([matrices.row(position) for position in loads])
     rest, rest_square = phi[:, kept:], square[kept:]
     residual = (rest / rest_square) @ (rest.T @ rows.T)
     energy, direction = eigh(residual.T @ matrices.stiffness @ residual)

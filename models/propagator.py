@@ -8,10 +8,16 @@ Source: C. F. Van Loan, IEEE Trans. Autom. Control 23 (1978) 395, for the input 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import expm
 
 from models.arrays import FloatArray
 from models.errors import InputError
+
+LANES = 16
+"""The number of blocks is a multiple of this, idle ones added, so that compiled loops over them have no remainder."""
+
+SERIES_NORM = 0.5
+SERIES_TERMS = 14
+"""Terms of the exponential's series for a matrix of that norm; the first one left out is below round-off."""
 
 MAX_CONDITION = 1e9
 """Of the eigenvectors; beyond it two modes have merged into one defective pair."""
@@ -22,45 +28,51 @@ class Blocks:
     """A linear system x' = A x + B u in 2 x 2 real blocks; coordinates are (first of each block, second of each block).
 
     Attributes:
-        blocks: (n, 2, 2) of A.
+        blocks: (n, 2, 2) of A; n is a multiple of ``LANES``.
         inputs: (2n, n_inputs) B.
-        displacement: (n_rows, 2n) rows that give displacements from the state.
-        velocity: (n_rows, 2n) rows that give velocities.
-        from_modal: (2n, 2n) maps (q, q') to the state.
+        from_modal: (2n, 2m) maps (q, q') of the m modes to the state.
+        to_modal: (2m, 2n) maps back.
     """
 
     blocks: FloatArray
     inputs: FloatArray
-    displacement: FloatArray
-    velocity: FloatArray
     from_modal: FloatArray
+    to_modal: FloatArray
+
+    def displacement(self, rows: FloatArray) -> FloatArray:
+        """(n_rows, 2n) displacements from the state, for rows (n_rows, m) by modal coordinate."""
+        return np.ascontiguousarray(rows @ self.to_modal[: rows.shape[1]])
+
+    def velocity(self, rows: FloatArray) -> FloatArray:
+        """(n_rows, 2n) velocities from the state, for rows (n_rows, m) by modal coordinate."""
+        return np.ascontiguousarray(rows @ self.to_modal[rows.shape[1] :])
 
 
-def to_blocks(omega: FloatArray, damping: FloatArray, inputs: FloatArray, rows: FloatArray) -> Blocks:
-    """Blocks of q'' + C q' + omega^2 q = inputs u, read out by ``rows``.
+def to_blocks(omega: FloatArray, damping: FloatArray, inputs: FloatArray) -> Blocks:
+    """Blocks of q'' + C q' + omega^2 q = inputs u.
 
     Args:
-        omega: (n,) rad/s.
-        damping: (n, n) 1/s.
-        inputs: (n, n_inputs) modal force per unit input.
-        rows: (n_rows, n).
+        omega: (m,) rad/s.
+        damping: (m, m) 1/s.
+        inputs: (m, n_inputs) modal force per unit input.
 
     Raises:
         InputError: the damping merges two modes into one that cannot be separated.
     """
-    n = len(omega)
-    zero = np.zeros_like(rows)
+    m = len(omega)
+    n = -(-m // LANES) * LANES
+    blocks = np.zeros((n, 2, 2))
     if np.count_nonzero(damping - np.diag(np.diag(damping))) == 0:
-        blocks = np.zeros((n, 2, 2))
-        blocks[:, 0, 1] = 1.0
-        blocks[:, 1, 0], blocks[:, 1, 1] = -(omega**2), -np.diag(damping)
-        force = np.vstack([np.zeros_like(inputs), inputs])
-        return Blocks(blocks, force, np.hstack([rows, zero]), np.hstack([zero, rows]), np.eye(2 * n))
-    system = np.block([[np.zeros((n, n)), np.eye(n)], [-np.diag(omega**2), -damping]])
-    blocks, basis = _real_blocks(system)
-    back = np.linalg.inv(basis)
-    force = back @ np.vstack([np.zeros_like(inputs), inputs])
-    return Blocks(blocks, force, np.hstack([rows, zero]) @ basis, np.hstack([zero, rows]) @ basis, back)
+        speed = np.where(omega > 0.0, omega, 1.0)
+        blocks[:m, 0, 1], blocks[:m, 1, 0], blocks[:m, 1, 1] = speed, -(omega**2) / speed, -np.diag(damping)
+        basis = np.diag(np.concatenate([np.ones(m), speed]))
+    else:
+        system = np.block([[np.zeros((m, m)), np.eye(m)], [-np.diag(omega**2), -damping]])
+        blocks[:m], basis = _real_blocks(system)
+    busy = np.concatenate([np.arange(m), n + np.arange(m)])
+    from_modal, to_modal = np.zeros((2 * n, 2 * m)), np.zeros((2 * m, 2 * n))
+    from_modal[busy], to_modal[:, busy] = np.linalg.inv(basis), basis
+    return Blocks(blocks, from_modal[:, m:] @ inputs, from_modal, to_modal)
 
 
 def _real_blocks(system: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -108,7 +120,7 @@ def exact_step(system: Blocks, h: float) -> Step:
     big = np.zeros((n, 6, 6))
     big[:, :2, :2] = system.blocks * h
     big[:, :2, 2:4] = big[:, 2:4, 4:] = np.eye(2)
-    power = expm(big)
+    power = _exponentials(big)
     hold, ramp = h * power[:, :2, 2:4], h * power[:, :2, 4:]
     force = system.inputs.reshape(2, n, -1)
     end = np.einsum("nij,jnk->kin", ramp, force)
@@ -120,3 +132,15 @@ def exact_step(system: Blocks, h: float) -> Step:
         np.ascontiguousarray((both - end).reshape(n_inputs, 2 * n)),
         np.ascontiguousarray(end.reshape(n_inputs, 2 * n)),
     )
+
+
+def _exponentials(matrices: FloatArray) -> FloatArray:
+    """(n, m, m) exponentials by a Taylor series of the halved matrix, squared up again, all matrices at once."""
+    halvings = max(0, int(np.ceil(np.log2(np.abs(matrices).sum(axis=2).max() / SERIES_NORM))))
+    small = matrices / 2.0**halvings
+    power = np.eye(matrices.shape[1]) + small / SERIES_TERMS
+    for k in range(SERIES_TERMS - 1, 0, -1):
+        power = np.eye(matrices.shape[1]) + small @ power / k
+    for _ in range(halvings):
+        power = power @ power
+    return power

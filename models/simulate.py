@@ -17,7 +17,7 @@ from models.propagator import Blocks, Step, exact_step, to_blocks
 from models.record import Record
 from models.rest import is_bilateral
 from models.rig import Sensor
-from models.stepping import march
+from models.stepping import Items, Linear, march
 
 STEP_RATE = 8192.0
 """Steps per second at least; the reference rig then is within 0.1 % of the converged solution (docs/theory.md)."""
@@ -28,7 +28,7 @@ CONTACT_RESOLUTION = 0.02
 MAX_STEPS_PER_SAMPLE = 64
 
 FORCE_TOLERANCE = 1e-9
-"""Change of a port force that ends the iteration in a step, as a share of the excitation's peak and the forces at rest."""
+"""Change of a force that ends the iteration in a step, as a share of the excitation's peak and the forces at rest."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class Response:
 def simulate(
     plant: Plant,
     record: Record,
-    settings: Settings = Settings(),  # noqa: B008
+    settings: Settings = Settings(),
     start: FloatArray | None = None,
     free: Mapping[str, float] | None = None,
 ) -> Response:
@@ -106,10 +106,10 @@ def simulate(
     plant = _at_record(plant, record)
     model = build_modal(plant, STOP_EDGE * record.fs, settings.n_modes)
     sensors = _sensors_of(plant, record)
-    factor = settings.steps_per_sample or steps_per_sample(model, record.fs)
-    system, step = _system(model, 1.0 / (factor * record.fs))
+    load = _load(model, drive_of(record, plant, 1))
+    factor = settings.steps_per_sample or steps_per_sample(model, record.fs, load)
     drive = drive_of(record, plant, factor)
-    fine, trace = _march(model, system, step, drive, record, factor, sensors, start, settings.trace)
+    fine, trace = _march(model, drive, record, factor, sensors, start, FORCE_TOLERANCE * load, settings.trace)
     order = np.array([1.0 if s.quantity == "acceleration" else 0.0 for s in sensors])
     channels = record_channels(fine, factor, record.n_samples, record.fs, order)
     if drive.seen is not None:
@@ -120,23 +120,38 @@ def simulate(
     return Response(channels, factor, model, trace)
 
 
-def steps_per_sample(model: ModalModel, fs: float) -> int:
-    """Steps per sample: enough for the band and for the stiffest contact on the mass it meets."""
+def steps_per_sample(model: ModalModel, fs: float, load: float) -> int:
+    """Steps per sample: enough for the band and for the stiffest contact on the mass it meets.
+
+    Args:
+        model: with its contacts.
+        fs: rate of the record, Hz.
+        load: force at which the contacts' slopes are taken, N.
+    """
     factor = max(1, int(np.ceil(STEP_RATE / fs)))
     if not model.plant.contacts:
         return factor
-    stiffest = max(contact.law.stiffness for contact in model.plant.contacts)
+    slope = np.array([contact.law.slope_under(load) for contact in model.plant.contacts])
+    square = np.stack([model.rows(contact.position) for contact in model.plant.contacts]) ** 2
     while factor < MAX_STEPS_PER_SAMPLE:
-        _, step = _system(model, 1.0 / (factor * fs))
-        rows = np.hstack([model.port_rows, np.zeros_like(model.port_rows)])
-        if stiffest * np.abs(np.einsum("pk,pk->p", rows, _ports_part(step.end, model))).max() < CONTACT_RESOLUTION:
+        if (slope * (square @ _yielding(model.omega, 1.0 / (factor * fs)))).max() < CONTACT_RESOLUTION:
             break
         factor *= 2
     return factor
 
 
-def _ports_part(inputs: FloatArray, model: ModalModel) -> FloatArray:
-    return inputs[: len(model.ports)]
+def _yielding(omega: FloatArray, h: float) -> FloatArray:
+    """(n,) displacement at the end of a step under a unit force that grows in it from 0, 1 / (m N): h^2 / 6 if slow."""
+    angle = np.maximum(omega * h, 1e-4)
+    return np.asarray(h**2 * (1.0 - np.sin(angle) / angle) / angle**2)
+
+
+def _load(model: ModalModel, drive: Drive) -> float:
+    """Peak of what drives the model, as a force, and the forces at rest, N; 1 where there is none of both."""
+    inertia = float(np.sum(model.carried**2))
+    peak = sum(float(np.abs(signal).max()) for signal in (drive.force, drive.base) if signal is not None)
+    peak *= 1.0 if drive.force is not None else inertia
+    return peak + float(np.abs(model.rest.law_forces).sum() + np.abs(model.rest.contact_forces).sum()) or 1.0
 
 
 def _at_record(plant: Plant, record: Record) -> Plant:
@@ -161,23 +176,18 @@ def _system(model: ModalModel, h: float) -> tuple[Blocks, Step]:
     place = excitation.position if excitation is not None and excitation.position is not None else None
     force = model.rows(place)
     inputs = np.column_stack([*model.port_rows, force, -model.carried])
-    system = to_blocks(model.omega, model.damping, inputs, model.port_rows)
+    system = to_blocks(model.omega, model.damping, inputs)
     return system, exact_step(system, h)
 
 
 def _output_rows(model: ModalModel, system: Blocks, sensors: tuple[Sensor, ...]) -> FloatArray:
     """(n_sensors, 2n) velocity for accelerations and velocities, slope rate for gyroscopes, displacement."""
-    back = np.linalg.inv(system.from_modal) if not _is_modal(system) else None
-    rows = np.zeros((len(sensors), 2 * model.n))
+    rows = np.empty((len(sensors), len(system.from_modal)))
     for i, sensor in enumerate(sensors):
         shape = model.rows(sensor.position, 1 if sensor.quantity == "angular_velocity" else 0)
-        half = slice(None, model.n) if sensor.quantity == "displacement" else slice(model.n, None)
-        rows[i, half] = shape
-    return rows if back is None else rows @ back
-
-
-def _is_modal(system: Blocks) -> bool:
-    return np.array_equal(system.from_modal, np.eye(len(system.from_modal)))
+        read = system.displacement if sensor.quantity == "displacement" else system.velocity
+        rows[i] = read(shape[None])[0]
+    return rows
 
 
 def _seen_of_base(seen: FloatArray, sensor: Sensor) -> FloatArray:
@@ -186,41 +196,44 @@ def _seen_of_base(seen: FloatArray, sensor: Sensor) -> FloatArray:
     return np.asarray(seen[("displacement", "velocity", "acceleration").index(sensor.quantity)])
 
 
-def _march(  # noqa: PLR0913
+def _march(  # noqa: PLR0917
     model: ModalModel,
-    system: Blocks,
-    step: Step,
     drive: Drive,
     record: Record,
     factor: int,
     sensors: tuple[Sensor, ...],
     start: FloatArray | None,
+    tolerance: float,
     keep_trace: bool,  # noqa: FBT001
 ) -> tuple[FloatArray, Trace | None]:
     """(n_sensors, M) motion read out at every step, and the trace."""
     n_ports, n_steps = len(model.ports), record.n_samples * factor - 1
+    system, step = _system(model, 1.0 / (factor * record.fs))
     inputs, columns = _known_inputs(drive, n_ports)
-    items = _Items.of(model)
-    out = np.empty((n_steps + 1, len(sensors)))
+    items = _items_of(model)
+    linear = Linear(
+        exponential=step.exponential,
+        in_start=step.start[columns],
+        in_end=step.end[columns],
+        port_start=step.start[:n_ports],
+        port_end=step.end[:n_ports],
+        q_rows=system.displacement(model.port_rows),
+        v_rows=system.velocity(model.port_rows),
+        q_rest=model.rest.position,
+        absolute=np.array([1.0 if port.frame == "ground" else 0.0 for port in model.ports]),
+        h=1.0 / (factor * record.fs),
+    )
+    out = np.empty((len(sensors), n_steps + 1))
     trace = np.empty((n_steps + 1 if keep_trace else 0, 2 * n_ports + len(items.port)))
-    state = np.zeros(2 * model.n) if start is None else system.from_modal @ start
-    peak = max((float(np.abs(row).max()) for row in inputs), default=0.0)
-    scale = peak * (1.0 if drive.force is not None else float(np.linalg.norm(model.carried)) ** 2)
-    tolerance = FORCE_TOLERANCE * (scale + float(np.abs(items.rest).sum())) or FORCE_TOLERANCE
-    done = march(
-        step.exponential, step.start[columns], step.end[columns], step.start[:n_ports], step.end[:n_ports],
-        state, inputs, system.displacement, system.velocity, model.rest.position, drive.base_motion,
-        np.array([1.0 if port.frame == "ground" else 0.0 for port in model.ports]),
-        _output_rows(model, system, sensors), out, trace, n_steps, 1.0 / (factor * record.fs),
-        items.port, items.law, items.rate, items.values, items.offsets, items.contacts, items.is_contact, items.rest,
-        tolerance,
-    )  # fmt: skip
+    state = np.zeros(len(system.from_modal)) if start is None else system.from_modal @ start
+    rows = _output_rows(model, system, sensors)
+    done = march(linear, items, inputs, drive.base_motion, state, rows, out, trace, tolerance)
     if done < n_steps:
         raise DivergenceError(
             f"{record.name}: the motion grew without bound {done / (factor * record.fs):.4f} s after the start; "
             "a passive structure stays finite; look for a negative stiffness or damping among the effects"
         )
-    return np.ascontiguousarray(out.T), _trace_of(model, trace, factor * record.fs) if keep_trace else None
+    return out, _trace_of(model, trace, factor * record.fs) if keep_trace else None
 
 
 def _known_inputs(drive: Drive, n_ports: int) -> tuple[FloatArray, list[int]]:
@@ -236,42 +249,24 @@ def _trace_of(model: ModalModel, trace: FloatArray, fs: float) -> Trace:
     return Trace(fs, model.ports, rows[:n_ports], rows[n_ports : 2 * n_ports], forces[:n_laws], forces[n_laws:])
 
 
-@dataclass(frozen=True, eq=False)
-class _Items:
-    """Point laws, then contacts, as the stepper's arrays (see ``stepping.march``)."""
+def _items_of(model: ModalModel) -> Items:
+    """Point laws, then contacts, as the stepper takes them."""
+    from models.law import law_address
 
-    port: FloatArray
-    law: FloatArray
-    rate: FloatArray
-    values: FloatArray
-    offsets: FloatArray
-    contacts: FloatArray
-    is_contact: FloatArray
-    rest: FloatArray
-
-    @classmethod
-    def of(cls, model: ModalModel) -> "_Items":
-        from models.law import law_address
-
-        plant = model.plant
-        index = {port: i for i, port in enumerate(model.ports)}
-        values: list[float] = []
-        offsets: list[int] = []
-        for numbers in (*(law.parameters for law in plant.laws), *(c.law.values for c in plant.contacts)):
-            offsets.append(len(values))
-            values.extend(numbers)
-        laws = [law.force for law in plant.laws] + [c.law.normal_force for c in plant.contacts]
-        rates = [law_address(law.rate) if law.rate is not None else 0 for law in plant.laws]
-        contacts = [(c.clearance, c.offset, c.clearance_rate, float(is_bilateral(c))) for c in plant.contacts]
-        return cls(
-            port=np.array(
-                [index[law.port] for law in plant.laws] + [index[Port(c.position)] for c in plant.contacts], np.int64
-            ),
-            law=np.array([law_address(law) for law in laws], np.int64),
-            rate=np.array([*rates, *(0 for _ in plant.contacts)], np.int64),
-            values=np.array(values, float),
-            offsets=np.array(offsets, np.int64),
-            contacts=np.array([(0.0,) * 4] * len(plant.laws) + contacts, float).reshape(-1, 4),
-            is_contact=np.array([0] * len(plant.laws) + [1] * len(plant.contacts), np.int64),
-            rest=np.concatenate([model.rest.law_forces, model.rest.contact_forces]),
-        )
+    laws, contacts = model.plant.laws, model.plant.contacts
+    index = {port: i for i, port in enumerate(model.ports)}
+    numbers = [law.parameters for law in laws] + [contact.law.values for contact in contacts]
+    forces = [law.force for law in laws] + [contact.law.normal_force for contact in contacts]
+    rates = [law_address(law.rate) if law.rate is not None else 0 for law in laws] + [0] * len(contacts)
+    gaps = [(0.0,) * 4 for _ in laws]
+    gaps += [(c.clearance, c.offset, c.clearance_rate, float(is_bilateral(c))) for c in contacts]
+    return Items(
+        port=np.array([index[law.port] for law in laws] + [index[Port(c.position)] for c in contacts], np.int64),
+        law=np.array([law_address(force) for force in forces], np.int64),
+        rate=np.array(rates, np.int64),
+        values=np.array([number for row in numbers for number in row], float),
+        offset=np.cumsum([0, *(len(row) for row in numbers)])[:-1].astype(np.int64),
+        contact=np.array(gaps, float).reshape(-1, 4),
+        is_contact=np.array([0] * len(laws) + [1] * len(contacts), np.int64),
+        rest_force=np.concatenate([model.rest.law_forces, model.rest.contact_forces]),
+    )

@@ -1,44 +1,103 @@
 """The compiled time stepper: the linear part exact, laws and contacts implicit and second order.
 
 Within a step each law's force runs straight from its value at the start to its value at the end; that end value depends
-on the motion it causes and is found by a damped Newton iteration at the few ports. Where a contact begins or ends within a
-step, the force that acts only for a part of it is replaced by the straight line with the same impulse and the same first
-moment, so that neither the jump of a dashpot nor the corner of a spring costs the order of the method.
+on the motion it causes and is found by a damped Newton iteration at the few ports. Where a contact begins or ends
+within a step, the force that acts only for a part of it is replaced by the straight line with the same impulse and the
+same first moment, so that neither the jump of a dashpot nor the corner of a spring costs the order of the method.
 docs/theory.md, section 5.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
 
+from models.arrays import FloatArray, IntArray
 from models.law_call import call_law
 
 MAX_ITERATIONS = 60
 SLOPE_NUDGE = 1e-6
+INTERNAL_TOLERANCE = 1e-12
+"""Fault of an internal state, which is of the order of 1, that ends its iteration."""
+
 LAST_OLD_SLOPE = 1
 """Iterations that use the slope of an earlier step before it is formed anew."""
 
 MAX_SLOPE = 1e6
 """Slope of a force per unit of its own end value; more is met only where a difference straddles the gap's edge."""
 
+CHUNK = 64
+"""Steps after which the states are read out together, as one product of matrices."""
+
+FINITE = 1e30
+"""Beyond it a state counts as lost."""
+
 OPTIONS: dict[str, Any] = {"nogil": True, "cache": True, "fastmath": {"contract", "reassoc", "nsz", "arcp"}}
+INLINE: dict[str, Any] = {**OPTIONS, "inline": "always"}
+"""For what runs in every step: a call that hands over arrays would cost more than the arithmetic."""
 
 
-@njit(**OPTIONS)
-def penetration_of(q, v, t, contacts, j):  # type: ignore[no-untyped-def]
-    """(p, dp/dt, side) of contact row j (clearance, offset, clearance rate, bilateral) at q, v."""
-    u = q - contacts[j, 1]
+class Linear(NamedTuple):
+    """The linear part of one step of length h; n is the number of blocks.
+
+    Attributes:
+        exponential: (4, n) of ``propagator.Step``.
+        in_start, in_end: (n_in, 2n) of ``propagator.Step`` for the known inputs.
+        port_start, port_end: (n_ports, 2n) the same for unit port forces.
+        q_rows, v_rows: (n_ports, 2n) port motion from the state.
+        q_rest: (n_ports,) q at rest.
+        absolute: (n_ports,) 1 where the port reads absolute motion.
+        h: s.
+    """
+
+    exponential: FloatArray
+    in_start: FloatArray
+    in_end: FloatArray
+    port_start: FloatArray
+    port_end: FloatArray
+    q_rows: FloatArray
+    v_rows: FloatArray
+    q_rest: FloatArray
+    absolute: FloatArray
+    h: float
+
+
+class Items(NamedTuple):
+    """Point laws, then contacts.
+
+    Attributes:
+        port: (n,) number of the port.
+        law, rate: (n,) addresses of the force and of the internal state's rate, 0 for none.
+        values, offset: all parameters in a row, and (n,) where each item's begin.
+        contact: (n, 4) clearance, offset, clearance rate, 1 where bilateral; unused for point laws.
+        is_contact: (n,) 1 for a contact.
+        rest_force: (n,) force at rest, already balanced, N.
+    """
+
+    port: IntArray
+    law: IntArray
+    rate: IntArray
+    values: FloatArray
+    offset: IntArray
+    contact: FloatArray
+    is_contact: IntArray
+    rest_force: FloatArray
+
+
+@njit(**INLINE)
+def penetration_of(contact: FloatArray, j: int, t: float, q: float, v: float) -> tuple[float, float, float]:
+    """(p, dp/dt, side) of row j of ``Items.contact`` at q, v."""
+    u = q - contact[j, 1]
     side = 1.0 if u >= 0.0 else -1.0
-    return side * u - contacts[j, 0] - contacts[j, 2] * t, side * v - contacts[j, 2], side
+    return side * u - contact[j, 0] - contact[j, 2] * t, side * v - contact[j, 2], side
 
 
 @njit(**OPTIONS)
-def part_step(start, end, at_start, at_end):  # type: ignore[no-untyped-def]
-    """Weights (a, b) of the straight line over the whole step with the impulse and first moment of a force on a part.
+def part_step(start: float, end: float, at_start: float, at_end: float) -> tuple[float, float]:
+    """Weights (a, b) of the straight line over the step with the impulse and first moment of a force on a part.
 
-    The force runs straight from ``at_start`` at the fraction ``start`` to ``at_end`` at ``end``; where it would pull, it
-    is 0.
+    The force runs straight from ``at_start`` at the fraction ``start`` to ``at_end`` at ``end``; where it would pull,
+    it is 0.
     """
     if at_start <= 0.0 and at_end <= 0.0:
         return 0.0, 0.0
@@ -55,8 +114,8 @@ def part_step(start, end, at_start, at_end):  # type: ignore[no-untyped-def]
 
 
 @njit(**OPTIONS)
-def crossing(p0, r0, p1, r1):  # type: ignore[no-untyped-def]
-    """Fraction of the step at which the cubic through (p0, slope r0) and (p1, slope r1) passes 0, and its slope there."""
+def crossing(p0: float, r0: float, p1: float, r1: float) -> tuple[float, float]:
+    """Fraction of the step where the cubic through (p0, slope r0) and (p1, slope r1) passes 0, and its slope there."""
     s = p0 / (p0 - p1)
     c2, c3 = 3.0 * (p1 - p0) - 2.0 * r0 - r1, 2.0 * (p0 - p1) + r0 + r1
     for _ in range(4):
@@ -68,24 +127,21 @@ def crossing(p0, r0, p1, r1):  # type: ignore[no-untyped-def]
     return s, r0 + s * (2.0 * c2 + 3.0 * s * c3)
 
 
-@njit(**OPTIONS)
-def contact_normal(law, t, p, rate, values, offset):  # type: ignore[no-untyped-def]
-    """Normal force before it is kept from pulling."""
-    return call_law(law, t, p, rate, 0.0, values, offset)
-
-
-@njit(**OPTIONS)
-def contact_step(law, values, offset, contacts, j, t, h, p0, r0, side0, n0, q1, v1):  # type: ignore[no-untyped-def]
+@njit(**INLINE)
+def contact_step(  # noqa: PLR0917
+    law: int, values: FloatArray, offset: int, contact: FloatArray, j: int, t: float, h: float,
+    p0: float, r0: float, side0: float, n0: float, q1: float, v1: float,
+) -> tuple[float, float]:  # fmt: skip
     """Weights (a, b) of a contact's force on the structure over a step that ends at t with q1, v1.
 
     The step starts with penetration p0 at rate r0 on side0, and with the normal force n0, not yet kept from pulling.
     """
-    p1, r1, side1 = penetration_of(q1, v1, t, contacts, j)
-    if contacts[j, 3] > 0.0:
-        return -side0 * n0, -side1 * contact_normal(law, t, p1, r1, values, offset)
+    p1, r1, side1 = penetration_of(contact, j, t, q1, v1)
+    if contact[j, 3] > 0.0:
+        return -side0 * n0, -side1 * call_law(law, t, p1, r1, 0.0, values, offset)
     if p0 <= 0.0 and p1 <= 0.0:
         return 0.0, 0.0
-    n1 = contact_normal(law, t, p1, r1, values, offset) if p1 > 0.0 else 0.0
+    n1 = call_law(law, t, p1, r1, 0.0, values, offset) if p1 > 0.0 else 0.0
     if p0 > 0.0 and p1 > 0.0 and side0 == side1:
         if n0 >= 0.0 and n1 >= 0.0:
             return -side0 * n0, -side1 * n1
@@ -94,75 +150,71 @@ def contact_step(law, values, offset, contacts, j, t, h, p0, r0, side0, n0, q1, 
     if side0 != side1:
         return (-side0 * max(0.0, n0) if p0 > 0.0 else 0.0), (-side1 * max(0.0, n1) if p1 > 0.0 else 0.0)
     s, slope = crossing(p0, r0 * h, p1, r1 * h)
-    at_crossing = contact_normal(law, t - (1.0 - s) * h, 0.0, slope / h, values, offset)
+    at_crossing = call_law(law, t - (1.0 - s) * h, 0.0, slope / h, 0.0, values, offset)
     a, b = part_step(s, 1.0, at_crossing, n1) if p1 > 0.0 else part_step(0.0, s, n0, at_crossing)
     return -side0 * a, -side0 * b
 
 
 @njit(**OPTIONS)
-def internal_state(rate, values, offset, t, h, q0, v0, z0, q1, v1):  # type: ignore[no-untyped-def]
-    """z at the end of the step by the trapezoidal rule, solved by Newton's method."""
-    start = call_law(rate, t, q0, v0, z0, values, offset)
+def internal_state(  # noqa: PLR0917
+    rate: int, values: FloatArray, offset: int, t: float, h: float,
+    q0: float, v0: float, z0: float, q1: float, v1: float,
+) -> float:  # fmt: skip
+    """Z at the end of a step, reached at t with q1, v1, by the trapezoidal rule, solved by Newton's method."""
+    known = z0 + 0.5 * h * call_law(rate, t - h, q0, v0, z0, values, offset)
     z = z0
     for _ in range(MAX_ITERATIONS):
-        fault = z - z0 - 0.5 * h * (start + call_law(rate, t + h, q1, v1, z, values, offset))
-        above = call_law(rate, t + h, q1, v1, z + SLOPE_NUDGE, values, offset)
-        below = call_law(rate, t + h, q1, v1, z - SLOPE_NUDGE, values, offset)
-        gain = 1.0 - 0.5 * h * min(0.0, (above - below) / (2.0 * SLOPE_NUDGE))
-        z -= fault / gain
-        if abs(fault) < 1e-12:
+        fault = z - known - 0.5 * h * call_law(rate, t, q1, v1, z, values, offset)
+        above = call_law(rate, t, q1, v1, z + SLOPE_NUDGE, values, offset)
+        below = call_law(rate, t, q1, v1, z - SLOPE_NUDGE, values, offset)
+        z -= fault / (1.0 - 0.5 * h * min(0.0, (above - below) / (2.0 * SLOPE_NUDGE)))
+        if abs(fault) < INTERNAL_TOLERANCE:
             break
     return z
 
 
-@njit(**OPTIONS)
-def contact_force_at(law, values, offset, contacts, j, t, q, v):  # type: ignore[no-untyped-def]
-    """Force of a contact on the structure at an instant."""
-    p, rate, side = penetration_of(q, v, t, contacts, j)
-    if contacts[j, 3] > 0.0:
-        return -side * contact_normal(law, t, p, rate, values, offset)
-    return -side * max(0.0, contact_normal(law, t, p, rate, values, offset)) if p > 0.0 else 0.0
+@njit(**INLINE)
+def normal_force(  # noqa: PLR0917
+    law: int, values: FloatArray, offset: int, t: float, p: float, rate: float, bilateral: float
+) -> float:
+    """Normal force of a contact, not yet kept from pulling; 0 where it is open."""
+    return float(call_law(law, t, p, rate, 0.0, values, offset)) if p > 0.0 or bilateral > 0.0 else 0.0
+
+
+@njit(**INLINE)
+def on_structure(normal: float, side: float, bilateral: float) -> float:
+    """Force of a contact on the structure, kept from pulling unless it is bilateral."""
+    return -side * (normal if bilateral > 0.0 else max(0.0, normal))
 
 
 @njit(**OPTIONS)
-def march(  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912, PLR0913, PLR0915
-    exponential, in_start, in_end, port_start, port_end, state, inputs, q_rows, v_rows, q_rest, base, moves,
-    out_rows, out, trace, n_steps, h, port_of, law_of, rate_of, values, offsets, contacts, is_contact, rest_force,
-    tolerance,
-):  # fmt: skip
-    """March ``n_steps`` steps and record.
+def march(  # noqa: C901, PLR0912, PLR0915, PLR0917
+    linear: Linear, items: Items, inputs: FloatArray, base: FloatArray, state: FloatArray,
+    out_rows: FloatArray, out: FloatArray, trace: FloatArray, tolerance: float,
+) -> int:  # fmt: skip
+    """March over all columns of ``out`` and record.
 
     Args:
-        exponential: (4, n) of ``propagator.Step``.
-        in_start, in_end: (n_in, 2n) of ``propagator.Step`` for the known inputs.
-        port_start, port_end: (n_ports, 2n) the same for unit port forces.
-        state: (2n,) at the start, changed in place.
+        linear: one step of the linear part.
+        items: laws and contacts.
         inputs: (n_in, n_steps + 1) known inputs.
-        q_rows, v_rows: (n_ports, 2n) port motion from the state.
-        q_rest: (n_ports,) q at rest.
         base: (2, n_steps + 1) displacement and velocity of the base, or (2, 0).
-        moves: (n_ports,) 1 where the port reads absolute motion.
-        out_rows: (n_out, 2n) what is recorded; out: (n_steps + 1, n_out) is filled.
-        trace: (n_steps + 1, 2 n_ports + n_items) is filled with q, v of the ports and the items' forces; (0, 0) for none.
-        port_of, law_of, rate_of, offsets, is_contact: (n_items,) port, law addresses (0 for none), place in ``values``.
-        contacts: (n_items, 4) clearance, offset, clearance rate, bilateral.
-        rest_force: (n_items,) the items' forces at rest, already balanced.
+        state: (2n,) at the start, changed in place.
+        out_rows: (n_out, 2n) what is recorded.
+        out: (n_out, n_steps + 1), filled.
+        trace: (n_steps + 1, 2 n_ports + n_items), filled with q, v of the ports and the items' forces; (0, 0) for none.
         tolerance: change of a force that ends the iteration, N.
 
     Returns:
-        the number of steps done; less than n_steps where the motion left the finite numbers.
+        the number of steps done; less than n_steps where the motion left the finite numbers within the next ``CHUNK``.
     """
-    n = exponential.shape[1]
-    n_ports, n_items, n_in, n_out = q_rows.shape[0], port_of.shape[0], in_start.shape[0], out_rows.shape[0]
-    q_start = np.zeros((n_ports, n_ports))
-    q_end, v_start, v_end = np.zeros_like(q_start), np.zeros_like(q_start), np.zeros_like(q_start)
-    for i in range(n_ports):
-        for j in range(n_ports):
-            for k in range(2 * n):
-                q_start[i, j] += q_rows[i, k] * port_start[j, k]
-                q_end[i, j] += q_rows[i, k] * port_end[j, k]
-                v_start[i, j] += v_rows[i, k] * port_start[j, k]
-                v_end[i, j] += v_rows[i, k] * port_end[j, k]
+    # Fields become locals, once: reading a field in a loop would count its references.
+    exponential, in_start, in_end, port_start, port_end, q_rows, v_rows, q_rest, absolute, h = linear
+    port_of, law_of, rate_of, values, offset, contact, is_contact, rest_force = items
+    n, n_steps = exponential.shape[1], out.shape[1] - 1
+    n_ports, n_items, n_in = q_rows.shape[0], port_of.shape[0], in_start.shape[0]
+    q_start, q_end = np.dot(q_rows, port_start.T), np.dot(q_rows, port_end.T)
+    v_start, v_end = np.dot(v_rows, port_start.T), np.dot(v_rows, port_end.T)
     q0, v0, q1, v1 = np.zeros(n_ports), np.zeros(n_ports), np.zeros(n_ports), np.zeros(n_ports)
     z0, z1 = np.zeros(n_items), np.zeros(n_items)
     a, b = np.zeros(n_items), np.zeros(n_items)
@@ -170,29 +222,27 @@ def march(  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912, PLR0913, PLR0
     p0, r0, side0, n0 = np.zeros(n_items), np.zeros(n_items), np.ones(n_items), np.zeros(n_items)
     weight = np.ones(n_items)
     new = np.zeros(2 * n)
+    first, second, new_first, new_second = state[:n], state[n:], new[:n], new[n:]
     for i in range(n_ports):
         q0[i] = q_rest[i]
         for k in range(2 * n):
             q0[i] += q_rows[i, k] * state[k]
             v0[i] += v_rows[i, k] * state[k]
-        if moves[i] > 0.0 and base.shape[1] > 0:
+        if absolute[i] > 0.0 and base.shape[1] > 0:
             q0[i] += base[0, 0]
             v0[i] += base[1, 0]
     for j in range(n_items):
         i = port_of[j]
         if is_contact[j]:
-            p0[j], r0[j], side0[j] = penetration_of(q0[i], v0[i], 0.0, contacts, j)
-            if p0[j] > 0.0 or contacts[j, 3] > 0.0:
-                n0[j] = contact_normal(law_of[j], 0.0, p0[j], r0[j], values, offsets[j])
-            force[j] = -side0[j] * (n0[j] if contacts[j, 3] > 0.0 else max(0.0, n0[j]))
+            p0[j], r0[j], side0[j] = penetration_of(contact, j, 0.0, q0[i], v0[i])
+            n0[j] = normal_force(law_of[j], values, offset[j], 0.0, p0[j], r0[j], contact[j, 3])
+            force[j] = on_structure(n0[j], side0[j], contact[j, 3])
         else:
-            force[j] = call_law(law_of[j], 0.0, q0[i], v0[i], 0.0, values, offsets[j])
+            force[j] = call_law(law_of[j], 0.0, q0[i], v0[i], 0.0, values, offset[j])
         before[j] = force[j]
-    for k in range(n_out):
-        total = 0.0
-        for i in range(2 * n):
-            total += out_rows[k, i] * state[i]
-        out[0, k] = total
+    out[:, 0] = np.dot(out_rows, state)
+    states = np.zeros((CHUNK, 2 * n))
+    read = 0
     tracing = trace.shape[0] > 0
     for step in range(n_steps):
         if tracing:
@@ -201,20 +251,20 @@ def march(  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912, PLR0913, PLR0
                 trace[step, n_ports + i] = v0[i]
             for j in range(n_items):
                 trace[step, 2 * n_ports + j] = force[j]
-        t = step * h
+        t = (step + 1) * h
         for k in range(n):
-            new[k] = exponential[0, k] * state[k] + exponential[1, k] * state[n + k]
-            new[n + k] = exponential[2, k] * state[k] + exponential[3, k] * state[n + k]
+            new_first[k] = exponential[0, k] * first[k] + exponential[1, k] * second[k]
+            new_second[k] = exponential[2, k] * first[k] + exponential[3, k] * second[k]
         for m in range(n_in):
-            first, last = inputs[m, step], inputs[m, step + 1]
+            u0, u1 = inputs[m, step], inputs[m, step + 1]
             for k in range(2 * n):
-                new[k] += in_start[m, k] * first + in_end[m, k] * last
+                new[k] += in_start[m, k] * u0 + in_end[m, k] * u1
         for i in range(n_ports):
             total_q, total_v = q_rest[i], 0.0
             for k in range(2 * n):
                 total_q += q_rows[i, k] * new[k]
                 total_v += v_rows[i, k] * new[k]
-            if moves[i] > 0.0 and base.shape[1] > 0:
+            if absolute[i] > 0.0 and base.shape[1] > 0:
                 total_q += base[0, step + 1]
                 total_v += base[1, step + 1]
             q1[i], v1[i] = total_q, total_v
@@ -235,15 +285,13 @@ def march(  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912, PLR0913, PLR0
                 i = port_of[j]
                 if is_contact[j]:
                     a_new, b_new = contact_step(
-                        law_of[j], values, offsets[j], contacts, j, t + h, h, p0[j], r0[j], side0[j], n0[j], q1[i], v1[i]
+                        law_of[j], values, offset[j], contact, j, t, h, p0[j], r0[j], side0[j], n0[j], q1[i], v1[i]
                     )
                 else:
                     if rate_of[j] != 0:
-                        z1[j] = internal_state(
-                            rate_of[j], values, offsets[j], t, h, q0[i], v0[i], z0[j], q1[i], v1[i]
-                        )
+                        z1[j] = internal_state(rate_of[j], values, offset[j], t, h, q0[i], v0[i], z0[j], q1[i], v1[i])
                     a_new = force[j]
-                    b_new = call_law(law_of[j], t + h, q1[i], v1[i], z1[j], values, offsets[j])
+                    b_new = call_law(law_of[j], t, q1[i], v1[i], z1[j], values, offset[j])
                 change = abs(a_new - a[j]) + abs(b_new - b[j])
                 if change < tolerance:
                     continue
@@ -252,15 +300,19 @@ def march(  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912, PLR0913, PLR0
                     unit = tolerance + SLOPE_NUDGE * abs(b_new)
                     q_near, v_near = q1[i] + q_end[i, i] * unit, v1[i] + v_end[i, i] * unit
                     if is_contact[j]:
-                        here = contact_force_at(law_of[j], values, offsets[j], contacts, j, t + h, q1[i], v1[i])
-                        near = contact_force_at(law_of[j], values, offsets[j], contacts, j, t + h, q_near, v_near)
+                        p, rate, side = penetration_of(contact, j, t, q1[i], v1[i])
+                        normal = normal_force(law_of[j], values, offset[j], t, p, rate, contact[j, 3])
+                        here = on_structure(normal, side, contact[j, 3])
+                        p, rate, side = penetration_of(contact, j, t, q_near, v_near)
+                        normal = normal_force(law_of[j], values, offset[j], t, p, rate, contact[j, 3])
+                        near = on_structure(normal, side, contact[j, 3])
                     else:
                         z_near, here = z1[j], b_new
                         if rate_of[j] != 0:
                             z_near = internal_state(
-                                rate_of[j], values, offsets[j], t, h, q0[i], v0[i], z0[j], q_near, v_near
+                                rate_of[j], values, offset[j], t, h, q0[i], v0[i], z0[j], q_near, v_near
                             )
-                        near = call_law(law_of[j], t + h, q_near, v_near, z_near, values, offsets[j])
+                        near = call_law(law_of[j], t, q_near, v_near, z_near, values, offset[j])
                     weight[j] = 1.0 / (1.0 - max(-MAX_SLOPE, min(0.0, (near - here) / unit)))
                 damped = weight[j] if iteration < MAX_ITERATIONS // 3 else 0.5 * weight[j]
                 da, db = damped * (a_new - a[j]), damped * (b_new - b[j])
@@ -279,29 +331,25 @@ def march(  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912, PLR0913, PLR0
                     new[k] += port_start[i, k] * port_a[i] + port_end[i, k] * port_b[i]
         for k in range(2 * n):
             state[k] = new[k]
+            states[step - read, k] = new[k]
         for j in range(n_items):
             i = port_of[j]
             before[j] = force[j]
             z0[j] = z1[j]
             if is_contact[j]:
-                p0[j], r0[j], side0[j] = penetration_of(q1[i], v1[i], t + h, contacts, j)
-                n0[j] = 0.0
-                if p0[j] > 0.0 or contacts[j, 3] > 0.0:
-                    n0[j] = contact_normal(law_of[j], t + h, p0[j], r0[j], values, offsets[j])
-                force[j] = -side0[j] * (n0[j] if contacts[j, 3] > 0.0 else max(0.0, n0[j]))
+                p0[j], r0[j], side0[j] = penetration_of(contact, j, t, q1[i], v1[i])
+                n0[j] = normal_force(law_of[j], values, offset[j], t, p0[j], r0[j], contact[j, 3])
+                force[j] = on_structure(n0[j], side0[j], contact[j, 3])
             else:
                 force[j] = b[j]
         for i in range(n_ports):
             q0[i], v0[i] = q1[i], v1[i]
-        check = 0.0
-        for k in range(n_out):
-            total = 0.0
-            for i in range(2 * n):
-                total += out_rows[k, i] * new[i]
-            out[step + 1, k] = total
-            check += abs(total)
-        if not check < 1e30:  # noqa: PLR2004
-            return step
+        done = step + 1
+        if done - read == CHUNK or done == n_steps:
+            out[:, read + 1 : done + 1] = np.dot(out_rows, states[: done - read].T)
+            if not np.abs(state).max() < FINITE:
+                return read
+            read = done
     if tracing:
         for i in range(n_ports):
             trace[n_steps, i] = q0[i]
@@ -309,4 +357,3 @@ def march(  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912, PLR0913, PLR0
         for j in range(n_items):
             trace[n_steps, 2 * n_ports + j] = force[j]
     return n_steps
-

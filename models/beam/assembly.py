@@ -1,4 +1,4 @@
-"""Mass, damping and stiffness of a beam with what is attached to it, in the assumed shapes; docs/theory.md, section 2."""
+"""Mass, damping and stiffness of a beam and what is attached to it, in assumed shapes; docs/theory.md, section 2."""
 
 from dataclasses import dataclass
 from math import inf, pi, sqrt
@@ -31,12 +31,12 @@ class BeamMatrices:
     weight: FloatArray
     carried: FloatArray
 
-    def rows(self, position: FloatArray | float, derivative: int = 0) -> FloatArray:
-        """(m, n) displacement, slope or curvature at places, m from the clamp, by Ritz coordinate."""
+    def row(self, position: float, derivative: int = 0) -> FloatArray:
+        """(n,) displacement, slope or curvature at a place, m from the clamp, by Ritz coordinate."""
         length = self.structure.length
-        shape = self.basis.shapes(np.atleast_1d(position) / length, derivative) / length**derivative
+        shape = self.basis.row(position / length, derivative) / length**derivative
         shape = shape / sqrt(self.structure.line_mass * length)
-        return np.hstack([shape, np.zeros((len(shape), len(self.structure.absorbers)))])
+        return np.concatenate([shape, np.zeros(len(self.structure.absorbers))])
 
 
 def assemble_beam(structure: Structure, n_modes: int, loads: tuple[float, ...]) -> BeamMatrices:
@@ -47,7 +47,7 @@ def assemble_beam(structure: Structure, n_modes: int, loads: tuple[float, ...]) 
         n_modes: clamped-free modes in the basis, more than will be kept.
         loads: positions of point laws, contacts and the excitation, m.
     """
-    length, ei, line_mass = structure.length, structure.bending_stiffness, structure.line_mass
+    length, line_mass = structure.length, structure.line_mass
     attached = [p for p, _ in (*structure.masses, *structure.springs, *structure.dashpots)]
     attached += [a.position for a in structure.absorbers]
     places = sorted({*loads, *(p for p in attached if p is not None)})
@@ -67,19 +67,19 @@ def assemble_beam(structure: Structure, n_modes: int, loads: tuple[float, ...]) 
     carried = np.zeros(n)
     carried[:n_shapes] = sqrt(line_mass * length) * basis.resultant
     for position, mass in structure.masses:
-        row = blank.rows(position or 0.0)[0]
+        row = blank.row(position or 0.0)
         own_mass += mass * np.outer(row, row)
         carried += mass * row
     mass, stiffness = own_mass.copy(), own_stiffness.copy()
     damping = np.zeros((n, n))
     for position, constant in structure.springs:
-        row = blank.rows(position or 0.0)[0]
+        row = blank.row(position or 0.0)
         stiffness += constant * np.outer(row, row)
     for position, constant in structure.dashpots:
-        row = blank.rows(position or 0.0)[0]
+        row = blank.row(position or 0.0)
         damping += constant * np.outer(row, row)
     for number, absorber in enumerate(structure.absorbers, start=n_shapes):
-        stretch = -blank.rows(absorber.position or 0.0)[0]
+        stretch = -blank.row(absorber.position or 0.0)
         stretch[number] = 1.0
         omega = 2.0 * pi * absorber.frequency
         mass[number, number] = absorber.mass

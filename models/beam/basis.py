@@ -3,12 +3,13 @@
 Everything here is for unit length, bending stiffness and mass per length, so that one basis serves all values of E, rho
 and diameter. The static shapes are exact deflections: under a unit load at each place where a force can act, under the
 beam's own weight, a rotation of the clamp, and a kink at each hinge. What the modes already hold is taken out of them;
-what is left is made orthonormal, so that the plain beam's mass matrix is the identity and its stiffness matrix diagonal.
+what is left is made orthonormal: the plain beam's mass matrix is the identity and its stiffness matrix diagonal.
 Source: residual vectors, R. R. Craig, A. J. Kurdila, Fundamentals of Structural Dynamics (2006), section 17.6.
 """
 
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 from scipy.linalg import eigh
@@ -51,10 +52,21 @@ class BeamBasis:
         raw = _raw_shapes(np.atleast_1d(np.asarray(x, float)), self, derivative)
         return raw @ self.combine
 
+    def row(self, x: float, derivative: int = 0) -> FloatArray:
+        """(n,) the same at one place, kept for the next model with this basis; not to be written to."""
+        return _row(self, x, derivative)
+
     def kinks(self) -> FloatArray:
         """(n_hinges, n) jump of slope of each shape at each hinge."""
         n_raw = self.combine.shape[0]
         return self.combine[n_raw - len(self.hinges) :]
+
+
+@lru_cache(maxsize=8192)
+def _row(basis: BeamBasis, x: float, derivative: int) -> FloatArray:
+    row = np.asarray(basis.shapes(np.array([x]), derivative)[0])
+    row.setflags(write=False)
+    return row
 
 
 @lru_cache(maxsize=512)
@@ -134,10 +146,10 @@ def _kink(x: FloatArray, a: float, derivative: int) -> FloatArray:
 
 
 def _quadrature(n_modes: int, breaks: tuple[float, ...]) -> tuple[FloatArray, FloatArray]:
-    """Gauss points and weights between breaks, several to the shortest wave, so that products are exact to round-off."""
+    """Gauss points and weights between breaks, several to the shortest wave: products are exact to round-off."""
     edges = np.unique(np.clip([0.0, *breaks, 1.0], 0.0, 1.0))
     points, weights = [], []
-    for start, end in zip(edges[:-1], edges[1:], strict=True):
+    for start, end in pairwise(edges):
         phase = (end - start) * float(wave_numbers(n_modes)[-1])
         node, weight = _gauss(int(1.2 * phase) + 12)
         points.append(start + (end - start) * node)

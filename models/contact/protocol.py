@@ -5,6 +5,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
+SMALLEST, LARGEST = 1e-9, 1.0
+"""Penetrations, m, between which a load is sought."""
+
 
 @dataclass(frozen=True)
 class ContactLaw(ABC):
@@ -44,6 +47,13 @@ class ContactLaw(ABC):
     def damping_at(self, p: float, p_rate: float) -> float:
         """Damping, N s/m, at a penetration p (m) that grows at p_rate (m/s), at the record's start."""
         return (self.normal_force(0.0, p, p_rate, 0.0, self.values) - self.elastic(p)) / p_rate
+
+    def slope_under(self, load: float) -> float:
+        """Stiffness, N/m, where the elastic part carries a load (N), over the last doubling of the penetration."""
+        p = SMALLEST
+        while self.elastic(p) < load and p < LARGEST:
+            p *= 2.0
+        return (self.elastic(p) - self.elastic(0.5 * p)) / (0.5 * p)
 
     def stiffer(self, ratio: float) -> Self:
         """The same law with its elastic part multiplied by ``ratio``."""
