@@ -1,7 +1,8 @@
 """Forces from channels line by line: Tikhonov's regularisation, whose penalty the channels themselves choose.
 
-Source: A. N. Tikhonov, V. Y. Arsenin, Solutions of Ill-Posed Problems (1977), chapter 2; for the penalty A. P. Dempster,
-N. M. Laird, D. B. Rubin, J. R. Stat. Soc. B 39 (1977) 1, and D. J. C. MacKay, Neural Computation 4 (1992) 415.
+Source: A. N. Tikhonov, V. Y. Arsenin, Solutions of Ill-Posed Problems (1977), chapter 2; for the penalty
+A. P. Dempster, N. M. Laird, D. B. Rubin, J. R. Stat. Soc. B 39 (1977) 1, and D. J. C. MacKay, Neural Computation 4
+(1992) 415.
 """
 
 import numpy as np
