@@ -92,7 +92,7 @@ def record_channels(
     padded = continued(fine, pad)
     n_fast = factor * fft.next_fast_len(-(-padded.shape[-1] // factor), real=True)
     spectrum = fft.rfft(padded, n_fast)[..., : n_fast // factor // 2 + 1]
-    freq = np.arange(spectrum.shape[-1]) * (factor * fs / n_fast)
+    freq = np.asarray(np.arange(spectrum.shape[-1]) * (factor * fs / n_fast), np.float64)
     gain = recorder_gain(freq, fs)
     if derivatives is not None:
         order = np.asarray(derivatives)[:, None]

@@ -1,5 +1,6 @@
-"""What drives the model between the samples: the measured excitation raised to the step's rate, force or base motion."""
+"""What drives the model between the samples: measured excitation and unmeasured base motion at the step's rate."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
@@ -7,7 +8,7 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
 from models.arrays import FloatArray
-from models.band_limit import raise_rate
+from models.band_limit import raise_rate, record_channels
 from models.plant import Plant
 from models.record import Record
 from models.rig import ExcitationQuantity
@@ -38,14 +39,26 @@ STILL = np.zeros((2, 0))
 _raised: "WeakKeyDictionary[Record, dict[tuple[str, int], Drive]]" = WeakKeyDictionary()
 
 
-def drive_of(record: Record, plant: Plant, factor: int) -> Drive:
-    """The record's excitation for steps of 1 / (factor fs), kept for the next call where no effect changes it.
+def drive_of(record: Record, plant: Plant, factor: int, free: Mapping[str, float]) -> Drive:
+    """The record's excitation and the effects' base motion for steps of 1 / (factor fs).
 
     Args:
         record: with its measured excitation.
-        plant: whose effects may correct the excitation channel.
+        plant: whose effects may correct the excitation channel and shake the base.
         factor: steps per sample.
+        free: the record's own parameters of the effects.
     """
+    measured = _measured(record, plant, factor)
+    time = np.arange(record.n_samples * factor) / (record.fs * factor)
+    shaken = [effect.base_acceleration(time, free) for effect in plant.effects]
+    present = [acceleration for acceleration in shaken if acceleration is not None]
+    if not present:
+        return measured
+    return _with_base(measured, np.sum(present, axis=0), record, factor)
+
+
+def _measured(record: Record, plant: Plant, factor: int) -> Drive:
+    """From the excitation channel, kept for the next call where no effect changes it."""
     if record.excitation is None or plant.excitation is None:
         return Drive(np.zeros(record.n_samples * factor), None, STILL, None)
     quantity, measured = plant.excitation.quantity, record.excitation
@@ -63,17 +76,31 @@ def drive_of(record: Record, plant: Plant, factor: int) -> Drive:
 def _raise(signal: FloatArray, fs: float, quantity: ExcitationQuantity, factor: int) -> Drive:
     if quantity == "force":
         return Drive(raise_rate(signal, factor, for_linear_hold=True), None, STILL, None)
-    fine = _motion(signal, fs, ORDER[quantity], factor)
-    held = raise_rate(signal, factor, derivative=2 - ORDER[quantity], for_linear_hold=True) * fs ** (2 - ORDER[quantity])
-    return Drive(None, held, fine[:2], fine[:, ::factor])
+    order = ORDER[quantity]
+    rows = [raise_rate(signal, factor, derivative=k) * fs**k for k in range(3 - order)]
+    motion = _integrated(rows, 1.0 / (fs * factor))
+    held = raise_rate(signal, factor, derivative=2 - order, for_linear_hold=True) * fs ** (2 - order)
+    return Drive(None, held, motion[:2], motion[:, ::factor])
 
 
-def _motion(signal: FloatArray, fs: float, order: int, factor: int) -> FloatArray:
-    """(3, M) displacement, velocity and acceleration; what lies below the measured order is integrated from rest."""
-    rows: list[FloatArray] = []
-    for derivative in range(3):
-        if derivative >= order:
-            rows.append(raise_rate(signal, factor, derivative=derivative - order) * fs ** (derivative - order))
+def _with_base(measured: Drive, acceleration: FloatArray, record: Record, factor: int) -> Drive:
+    """The drive with an acceleration of the base, (M,), added; a recorder filters what its sensors see of it."""
+    motion = _integrated([acceleration], 1.0 / (record.fs * factor))
+    held, seen = _for_linear_hold(acceleration), record_channels(motion, factor, record.n_samples, record.fs)
+    if measured.base is None or measured.seen is None:
+        return Drive(measured.force, held, motion[:2], seen)
+    return Drive(measured.force, measured.base + held, measured.base_motion + motion[:2], measured.seen + seen)
+
+
+def _integrated(rows: list[FloatArray], h: float) -> FloatArray:
+    """(3, M) displacement, velocity and acceleration; what lies below the first row is integrated from rest."""
     while len(rows) < len(ORDER):
-        rows.insert(0, cumulative_trapezoid(rows[0], dx=1.0 / (fs * factor), initial=0.0))
+        rows = [cumulative_trapezoid(_for_linear_hold(rows[0]), dx=h, initial=0), *rows]
     return np.stack(rows)
+
+
+def _for_linear_hold(signal: FloatArray) -> FloatArray:
+    """(M,) the samples whose straight connections have the integrals of the signal, to fourth order of the step."""
+    held = signal.copy()
+    held[1:-1] -= np.diff(signal, 2) / 12.0
+    return held

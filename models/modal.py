@@ -8,7 +8,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from models.arrays import FloatArray
-from models.beam.assembly import BeamMatrices, assemble_beam, solve_static
+from models.beam.assembly import BeamMatrices, assemble_beam, natural_modes, own_damping, solve_static
 from models.plant import Plant
 from models.ports import Port
 from models.rest import RestState, find_rest
@@ -132,23 +132,35 @@ def _ports(plant: Plant) -> tuple[Port, ...]:
 
 
 def _oscillator(plant: Plant, ports: tuple[Port, ...]) -> ModalModel:
-    structure = plant.structure
-    mass = structure.line_mass + sum(m for _, m in structure.masses)
-    stiffness = structure.bending_stiffness + sum(k for _, k in structure.springs)
-    own = structure.rayleigh[0] * structure.line_mass * structure.damping_scale
-    damping = own + sum(c for _, c in structure.dashpots)
-    flexibility = np.full((len(ports), len(ports)), 1.0 / stiffness if stiffness > 0 else 0.0)
-    sag = -mass * structure.gravity / stiffness if stiffness > 0 else 0.0
-    rest = find_rest(plant, ports, sag=np.full(len(ports), sag), flexibility=flexibility)
+    """One degree of freedom, then one per absorber that hangs on it; all ports are on the first."""
+    structure, n = plant.structure, 1 + len(plant.structure.absorbers)
+    own_mass = structure.line_mass + sum(m for _, m in structure.masses)
+    own_stiffness, own = structure.bending_stiffness, np.array([[structure.line_mass]])
+    if structure.loss_factor is not None:
+        own = np.array([[own_mass]])
+    inertia = np.array([own_mass, *(absorber.mass for absorber in structure.absorbers)])
+    stiffness, damping, first = np.zeros((n, n)), np.zeros((n, n)), np.eye(n)[0]
+    held = own_stiffness + sum(k for _, k in structure.springs)
+    stiffness[0, 0] = held
+    damping[0, 0] = own_damping(structure, own, np.array([[own_stiffness]]))[0, 0]
+    damping[0, 0] += sum(c for _, c in structure.dashpots)
+    for number, absorber in enumerate(structure.absorbers, start=1):
+        spring, dashpot = absorber.coefficients
+        stretch = np.eye(n)[number] - first
+        stiffness += spring * np.outer(stretch, stretch)
+        damping += dashpot * np.outer(stretch, stretch)
+    square, modes = eigh(stiffness, np.diag(inertia))
+    flexibility = 1.0 / held if held > 0.0 else 0.0
+    sag = np.full(len(ports), -inertia.sum() * structure.gravity * flexibility)
     return ModalModel(
         plant=plant,
         ports=ports,
-        omega=np.array([np.sqrt(stiffness / mass)]),
-        damping=np.array([[damping / mass]]),
-        carried=np.array([np.sqrt(mass)]),
-        rest=rest,
+        omega=np.sqrt(np.maximum(square, 0.0)),
+        damping=_tidy(modes.T @ damping @ modes),
+        carried=inertia @ modes,
+        rest=find_rest(plant, ports, sag, np.full((len(ports), len(ports)), flexibility)),
         _matrices=None,
-        _modes=np.array([[1.0 / np.sqrt(mass)]]),
+        _modes=modes,
     )
 
 
@@ -163,7 +175,7 @@ def _reduce(matrices: BeamMatrices, kept: int, loads: tuple[float, ...]) -> tupl
     The residual shapes are the static deflections under loads at the ports less what the kept modes give; the reduced
     eigenvalue problem keeps the flexibility there exact.
     """
-    square, phi = eigh(matrices.stiffness, matrices.mass)
+    square, phi = natural_modes(matrices.stiffness, matrices.mass)
     if not loads:
         return phi[:, :kept], square[:kept]
     rows = np.stack([matrices.row(position) for position in loads])

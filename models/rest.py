@@ -63,7 +63,9 @@ def find_rest(plant: Plant, ports: tuple[Port, ...], sag: FloatArray, flexibilit
     return RestState(
         position=q,
         law_forces=np.array([law_force(law, float(q[i])) for law, i in zip(plant.laws, law_at, strict=True)]),
-        contact_forces=np.array([contact_force(c, float(q[i])) for c, i in zip(plant.contacts, contact_at, strict=True)]),
+        contact_forces=np.array(
+            [contact_force(c, float(q[i])) for c, i in zip(plant.contacts, contact_at, strict=True)]
+        ),
         penetration=np.array(
             [abs(q[i] - c.offset) - c.clearance for c, i in zip(plant.contacts, contact_at, strict=True)]
         ),
@@ -104,7 +106,7 @@ def _newton(sag: FloatArray, flexibility: FloatArray, forces: ForceFunction) -> 
             if np.linalg.norm(new) < np.linalg.norm(residual) or np.abs(step).max() / 2**halving < REST_TOLERANCE:
                 break
         if np.abs(trial - q).max() < REST_TOLERANCE:
-            return trial
+            return np.asarray(trial)
         q, residual = trial, new
     raise InputError(
         "the state at rest: no equilibrium was found",

@@ -106,9 +106,9 @@ def simulate(
     plant = _at_record(plant, record)
     model = build_modal(plant, STOP_EDGE * record.fs, settings.n_modes)
     sensors = _sensors_of(plant, record)
-    load = _load(model, drive_of(record, plant, 1))
+    load = _load(model, drive_of(record, plant, 1, free or {}))
     factor = settings.steps_per_sample or steps_per_sample(model, record.fs, load)
-    drive = drive_of(record, plant, factor)
+    drive = drive_of(record, plant, factor, free or {})
     fine, trace = _march(model, drive, record, factor, sensors, start, FORCE_TOLERANCE * load, settings.trace)
     order = np.array([1.0 if s.quantity == "acceleration" else 0.0 for s in sensors])
     channels = record_channels(fine, factor, record.n_samples, record.fs, order)
@@ -149,8 +149,8 @@ def _yielding(omega: FloatArray, h: float) -> FloatArray:
 def _load(model: ModalModel, drive: Drive) -> float:
     """Peak of what drives the model, as a force, and the forces at rest, N; 1 where there is none of both."""
     inertia = float(np.sum(model.carried**2))
-    peak = sum(float(np.abs(signal).max()) for signal in (drive.force, drive.base) if signal is not None)
-    peak *= 1.0 if drive.force is not None else inertia
+    inputs = ((drive.force, 1.0), (drive.base, inertia))
+    peak = sum(scale * float(np.abs(signal).max()) for signal, scale in inputs if signal is not None)
     return peak + float(np.abs(model.rest.law_forces).sum() + np.abs(model.rest.contact_forces).sum()) or 1.0
 
 

@@ -211,7 +211,7 @@ def march(  # noqa: C901, PLR0912, PLR0915, PLR0917
     # Fields become locals, once: reading a field in a loop would count its references.
     exponential, in_start, in_end, port_start, port_end, q_rows, v_rows, q_rest, absolute, h = linear
     port_of, law_of, rate_of, values, offset, contact, is_contact, rest_force = items
-    n, n_steps = exponential.shape[1], out.shape[1] - 1
+    n, n_steps = exponential.shape[1], int(out.shape[1] - 1)
     n_ports, n_items, n_in = q_rows.shape[0], port_of.shape[0], in_start.shape[0]
     q_start, q_end = np.dot(q_rows, port_start.T), np.dot(q_rows, port_end.T)
     v_start, v_end = np.dot(v_rows, port_start.T), np.dot(v_rows, port_end.T)

@@ -36,6 +36,12 @@ class Absorber:
     frequency: float
     damping_ratio: float
 
+    @property
+    def coefficients(self) -> tuple[float, float]:
+        """Its spring, N/m, and its dashpot, N s/m."""
+        omega = 2.0 * pi * self.frequency
+        return self.mass * omega**2, 2.0 * self.damping_ratio * omega * self.mass
+
 
 @dataclass(frozen=True)
 class Structure:

@@ -1,14 +1,15 @@
 """Mass, damping and stiffness of a beam and what is attached to it, in assumed shapes; docs/theory.md, section 2."""
 
 from dataclasses import dataclass
-from math import inf, pi, sqrt
+from math import inf, sqrt
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, eigh
+from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
 
 from models.arrays import FloatArray
 from models.beam.basis import BeamBasis, beam_basis
-from models.structure import Structure
+from models.errors import InputError
+from models.structure import Hinge, Structure
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,26 +51,28 @@ def assemble_beam(structure: Structure, n_modes: int, loads: tuple[float, ...]) 
     length, line_mass = structure.length, structure.line_mass
     attached = [p for p, _ in (*structure.masses, *structure.springs, *structure.dashpots)]
     attached += [a.position for a in structure.absorbers]
+    hinges = tuple(h for h in structure.hinges if h.flexibility > 0.0)
     places = sorted({*loads, *(p for p in attached if p is not None)})
     basis = beam_basis(
         n_modes,
         tuple(p / length for p in places),
-        tuple(h.position / length for h in structure.hinges),
+        tuple(h.position / length for h in hinges),
         clamp_turns=structure.clamp_stiffness < inf,
     )
     n_shapes, n_absorbers = len(basis.resultant), len(structure.absorbers)
     n = n_shapes + n_absorbers
-    blank = BeamMatrices(structure, basis, *(np.zeros((n, n)) for _ in range(3)), np.zeros(n), np.zeros(n))
+    square, row = np.zeros((n, n)), np.zeros(n)
+    blank = BeamMatrices(structure, basis, square, square, square, row, row)
     own_mass = np.zeros((n, n))
     own_mass[:n_shapes, :n_shapes] = basis.gram
     own_stiffness = np.zeros((n, n))
-    own_stiffness[:n_shapes, :n_shapes] = _bending(structure, basis) / (line_mass * length**4)
+    own_stiffness[:n_shapes, :n_shapes] = _bending(structure, hinges, basis) / (line_mass * length**4)
     carried = np.zeros(n)
     carried[:n_shapes] = sqrt(line_mass * length) * basis.resultant
-    for position, mass in structure.masses:
+    for position, point_mass in structure.masses:
         row = blank.row(position or 0.0)
-        own_mass += mass * np.outer(row, row)
-        carried += mass * row
+        own_mass += point_mass * np.outer(row, row)
+        carried += point_mass * row
     mass, stiffness = own_mass.copy(), own_stiffness.copy()
     damping = np.zeros((n, n))
     for position, constant in structure.springs:
@@ -81,11 +84,11 @@ def assemble_beam(structure: Structure, n_modes: int, loads: tuple[float, ...]) 
     for number, absorber in enumerate(structure.absorbers, start=n_shapes):
         stretch = -blank.row(absorber.position or 0.0)
         stretch[number] = 1.0
-        omega = 2.0 * pi * absorber.frequency
+        spring, dashpot = absorber.coefficients
         mass[number, number] = absorber.mass
         carried[number] = absorber.mass
-        stiffness += absorber.mass * omega**2 * np.outer(stretch, stretch)
-        damping += 2.0 * absorber.damping_ratio * omega * absorber.mass * np.outer(stretch, stretch)
+        stiffness += spring * np.outer(stretch, stretch)
+        damping += dashpot * np.outer(stretch, stretch)
     shapes = np.s_[:n_shapes, :n_shapes]
     damping[shapes] += own_damping(structure, own_mass[shapes], own_stiffness[shapes])
     return BeamMatrices(structure, basis, mass, damping, stiffness, -structure.gravity * carried, carried)
@@ -96,24 +99,63 @@ def own_damping(structure: Structure, mass: FloatArray, stiffness: FloatArray) -
     if structure.loss_factor is None:
         eta1, eta2 = structure.rayleigh
         return structure.damping_scale * (eta1 * mass + eta2 * stiffness)
-    square, phi = eigh(stiffness, mass)
+    square, phi = natural_modes(stiffness, mass)
     momentum = mass @ phi
-    rate = structure.damping_scale * structure.loss_factor * np.sqrt(np.maximum(square, 0.0))
+    rate = structure.damping_scale * structure.loss_factor * np.sqrt(square)
     return np.asarray((momentum * rate) @ momentum.T)
 
 
-def _bending(structure: Structure, basis: BeamBasis) -> FloatArray:
+def _bending(structure: Structure, hinges: tuple[Hinge, ...], basis: BeamBasis) -> FloatArray:
     """Stiffness of the beam itself in units of 1 / L^3 (bending, axial load, clamp, hinges)."""
     ei, length = structure.bending_stiffness, structure.length
     total = ei * basis.stiffness + structure.axial_force * length**2 * basis.slope_stiffness
     if structure.clamp_stiffness < inf:
-        slope = basis.shapes(np.zeros(1), 1)[0]
-        total = total + structure.clamp_stiffness * length * np.outer(slope, slope)
-    for hinge, kink in zip(structure.hinges, basis.kinks(), strict=True):
+        total = total + structure.clamp_stiffness * length * np.outer(basis.turn(), basis.turn())
+    for hinge, kink in zip(hinges, basis.kinks(), strict=True):
         total = total + length / hinge.flexibility * np.outer(kink, kink)
     return total
 
 
+LEAST_INVERSE = 1e-14
+"""Inverse squared frequencies below this share of the largest are round-off: such modes only yield and do not swing."""
+
+
+def natural_modes(stiffness: FloatArray, mass: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(n,) squared natural frequencies, the lowest first, and (n, n) mass-normalised modes in the columns.
+
+    It is M phi = omega^-2 K phi that is solved, scaled by the diagonal of K: a spring may be as stiff as it likes.
+
+    Raises:
+        InputError: the structure has no stiffness against some motion.
+    """
+    own = np.diag(stiffness)
+    if own.min() <= 0.0:
+        raise _unstable()
+    scale = 1.0 / np.sqrt(own)
+    both = np.outer(scale, scale)
+    try:
+        inverse, phi = eigh(mass * both, stiffness * both)
+    except LinAlgError as error:
+        raise _unstable() from error
+    inverse = np.maximum(inverse[::-1], LEAST_INVERSE * inverse[-1])
+    return 1.0 / inverse, scale[:, None] * phi[:, ::-1] / np.sqrt(inverse)
+
+
 def solve_static(stiffness: FloatArray, load: FloatArray) -> FloatArray:
-    """Displacement under a static load, for a positive definite stiffness matrix."""
-    return np.asarray(cho_solve(cho_factor(stiffness), load))
+    """Displacement under a static load.
+
+    Raises:
+        InputError: the structure has no stiffness against some motion.
+    """
+    try:
+        return np.asarray(cho_solve(cho_factor(stiffness), load))
+    except LinAlgError as error:
+        raise _unstable() from error
+
+
+def _unstable() -> InputError:
+    return InputError(
+        "the beam without its sleeves: its stiffness is not positive",
+        "it resists every deflection: compression stays below pi^2 E I / (2 L)^2, and a clamp that turns has a spring",
+        "look for an axial_load or a clamp_compliance that is out of scale",
+    )

@@ -50,11 +50,15 @@ class BeamBasis:
     def shapes(self, x: FloatArray, derivative: int = 0) -> FloatArray:
         """(m, n) values (or first, second derivatives) of the shapes at x, (m,) on 0..1."""
         raw = _raw_shapes(np.atleast_1d(np.asarray(x, float)), self, derivative)
-        return raw @ self.combine
+        return np.asarray(raw @ self.combine)
 
     def row(self, x: float, derivative: int = 0) -> FloatArray:
         """(n,) the same at one place, kept for the next model with this basis; not to be written to."""
         return _row(self, x, derivative)
+
+    def turn(self) -> FloatArray:
+        """(n,) rotation of each shape at a clamp that turns."""
+        return np.asarray(self.combine[self.combine.shape[0] - len(self.hinges) - 1])
 
     def kinks(self) -> FloatArray:
         """(n_hinges, n) jump of slope of each shape at each hinge."""
@@ -80,7 +84,8 @@ def beam_basis(n_modes: int, loads: tuple[float, ...], hinges: tuple[float, ...]
         clamp_turns: include the rotation about the clamp.
     """
     places = (n_modes, loads, hinges, clamp_turns)
-    raw_basis = BeamBasis(*places, *(np.empty((0, 0)) for _ in range(4)), np.empty(0))
+    none = np.empty((0, 0))
+    raw_basis = BeamBasis(*places, combine=none, gram=none, stiffness=none, slope_stiffness=none, resultant=np.empty(0))
     x, weight = _quadrature(n_modes, (*loads, *hinges))
     value, slope, curvature = (_raw_shapes(x, raw_basis, d) for d in (0, 1, 2))
     root = np.sqrt(weight)[:, None]

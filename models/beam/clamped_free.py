@@ -14,7 +14,7 @@ from models.arrays import FloatArray
 @cache
 def wave_numbers(n: int) -> FloatArray:
     """(n,) the first roots b of cos(b) cosh(b) = -1, by Newton's method on cos(b) + 1/cosh(b) = 0."""
-    b = (np.arange(n) + 0.5) * np.pi
+    b = np.asarray((np.arange(n) + 0.5) * np.pi, np.float64)
     b[0] = 1.8751
     for _ in range(8):
         secant = 1.0 / np.cosh(b)
@@ -45,7 +45,7 @@ def clamped_free_modes(x: FloatArray, n: int, derivative: int = 0) -> FloatArray
     s = (0.5 * (1.0 + decay**2) + np.cos(b) * decay) / denominator
     falling = 0.5 * (1.0 + s) * np.exp(-arg)
     if derivative == 0:
-        return growing + falling - np.cos(arg) + s * np.sin(arg)
+        return np.asarray(growing + falling - np.cos(arg) + s * np.sin(arg))
     if derivative == 1:
-        return b * (growing - falling + np.sin(arg) + s * np.cos(arg))
-    return b**2 * (growing + falling + np.cos(arg) - s * np.sin(arg))
+        return np.asarray(b * (growing - falling + np.sin(arg) + s * np.cos(arg)))
+    return np.asarray(b**2 * (growing + falling + np.cos(arg) - s * np.sin(arg)))

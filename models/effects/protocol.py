@@ -202,7 +202,7 @@ class Effect(ABC):
         return channels
 
     def base_acceleration(self, time: FloatArray, free: Mapping[str, float]) -> FloatArray | None:  # noqa: ARG002
-        """(N,) an unmeasured acceleration of the base, m/s^2, or None."""
+        """(N,) an unmeasured acceleration of the base at ``time``, s from the record's start, m/s^2, or None."""
         return None
 
     def port(self, contact: Contact | None, frame: Frame = "base") -> Port:
