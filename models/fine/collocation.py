@@ -5,11 +5,10 @@ at a quarter of its size where a contact turned out to open or close within it, 
 straight line through the two stages; the smallest step, h / 256, is taken as it comes.
 """
 
-from numba import njit
-
 from models.arrays import FloatArray
+from models.compiled import compiled
 from models.fine.course import Course
-from models.fine.desk import END, FORCE, LAW, OPTIONS, RATE, START, Desk, Q, V, Z
+from models.fine.desk import END, FORCE, LAW, RATE, START, Desk, Q, V, Z
 from models.fine.gauss import NODES
 from models.fine.newton import correct, faults
 from models.fine.point_forces import IS_CONTACT, Items
@@ -29,7 +28,7 @@ BEYOND = EARLY / (LATE - EARLY)
 """From a stage to the nearest end of the step, in distances between the stages."""
 
 
-@njit(**OPTIONS)
+@compiled
 def hermite(values: FloatArray, slopes: FloatArray, step: int, s: float, h: float) -> float:
     """Value at the fraction s of a whole step of h by the cubic through its ends."""
     left, rise = values[step], values[step + 1] - values[step]
@@ -38,7 +37,7 @@ def hermite(values: FloatArray, slopes: FloatArray, step: int, s: float, h: floa
     return value
 
 
-@njit(**OPTIONS)
+@compiled
 def carry_base(desk: Desk, course: Course, step: int, s: float, h: float, stage: int) -> None:
     """Add the motion of the base at the fraction s of a whole step where a port reads absolute motion."""
     if course.base.shape[1] > 0:
@@ -49,7 +48,7 @@ def carry_base(desk: Desk, course: Course, step: int, s: float, h: float, stage:
             desk.port[V, stage, i] += course.absolute[i] * speed
 
 
-@njit(**OPTIONS)
+@compiled
 def begin(desk: Desk, tables: Tables, course: Course, state: FloatArray, level: int, step: int, s: float) -> None:
     """Free motion, known inputs and first guesses for a step from the fraction s of the whole step ``step``."""
     n_ports = desk.port.shape[2]
@@ -70,7 +69,7 @@ def begin(desk: Desk, tables: Tables, course: Course, state: FloatArray, level: 
             desk.item[Z, stage, j] = desk.item[Z, START, j]
 
 
-@njit(**OPTIONS)
+@compiled
 def place_ports(desk: Desk, tables: Tables, course: Course, level: int, step: int, s: float, stage: int) -> None:
     """Motion of the ports at a stage from the free motion and the forces at hand; s is the place in the whole step."""
     n_ports = desk.port.shape[2]
@@ -87,7 +86,7 @@ def place_ports(desk: Desk, tables: Tables, course: Course, level: int, step: in
     carry_base(desk, course, step, s, tables.h[0], stage)
 
 
-@njit(**OPTIONS)
+@compiled
 def solve(desk: Desk, tables: Tables, course: Course, items: Items, level: int, step: int, s: float) -> bool:
     """Find forces and motion at both stages; whether the iteration ended."""
     for _ in range(MAX_ITERATIONS):
@@ -105,7 +104,7 @@ def solve(desk: Desk, tables: Tables, course: Course, items: Items, level: int, 
     return False
 
 
-@njit(**OPTIONS)
+@compiled
 def push(desk: Desk, tables: Tables, state: FloatArray, level: int) -> None:
     """Leave in ``desk.new`` the state at the end of the step, from its start and the strength of the sources."""
     n, end = tables.sources.shape[1], tables.end
@@ -124,7 +123,7 @@ def push(desk: Desk, tables: Tables, state: FloatArray, level: int) -> None:
             desk.new[row * n + k] = free + end[level, row, 2, k] * early[k] + end[level, row, 3, k] * late[k]
 
 
-@njit(**OPTIONS)
+@compiled
 def arrive(desk: Desk, tables: Tables, course: Course, items: Items, level: int, step: int, s: float) -> None:
     """Motion, internal states and forces at the end of a step, which is the fraction s of the whole step."""
     n = tables.sources.shape[1]
@@ -141,7 +140,7 @@ def arrive(desk: Desk, tables: Tables, course: Course, items: Items, level: int,
     weigh(desk, items, (step + s) * tables.h[0], END)
 
 
-@njit(**OPTIONS)
+@compiled
 def is_smooth(desk: Desk, course: Course, items: Items, t: float, h: float) -> bool:
     """Whether no contact changed within the step that ends at t and no force left the line through the stages."""
     for i in range(desk.port.shape[2]):
@@ -160,7 +159,7 @@ def is_smooth(desk: Desk, course: Course, items: Items, t: float, h: float) -> b
     return True
 
 
-@njit(**OPTIONS)
+@compiled
 def settle(desk: Desk, items: Items, t: float) -> None:
     """Take the end of a step as the start of the next, each contact open or closed as it now is."""
     for j in range(items.port.shape[0]):
@@ -173,7 +172,7 @@ def settle(desk: Desk, items: Items, t: float) -> None:
         desk.port[LAW, START, i] = desk.port[LAW, END, i]
 
 
-@njit(**OPTIONS)
+@compiled
 def advance(desk: Desk, tables: Tables, course: Course, items: Items, state: FloatArray, step: int, s: float) -> float:
     """Take the largest smooth step from the fraction s of a whole step; the share of the whole step that it is."""
     level, share = 0, 1.0
@@ -192,7 +191,7 @@ def advance(desk: Desk, tables: Tables, course: Course, items: Items, state: Flo
     return share
 
 
-@njit(**OPTIONS)
+@compiled
 def read_out(desk: Desk, out_rows: FloatArray, out: FloatArray, trace: FloatArray, at: int) -> bool:
     """Write down the state at a whole step; whether it is finite."""
     total = 0.0
@@ -210,7 +209,7 @@ def read_out(desk: Desk, out_rows: FloatArray, out: FloatArray, trace: FloatArra
     return total < HUGE
 
 
-@njit(**OPTIONS)
+@compiled
 def march(
     desk: Desk,
     tables: Tables,

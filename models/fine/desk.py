@@ -1,13 +1,10 @@
 """Room in which the compiled stepper works on one step, and the names of its rows."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from models.arrays import FloatArray, IntArray
-
-OPTIONS: dict[str, Any] = {"nogil": True, "cache": True, "fastmath": {"contract", "reassoc", "nsz", "arcp"}}
-"""Of all compiled functions here; not-a-numbers stay visible."""
 
 START, END = 2, 3
 """Beside the stages 0 and 1."""

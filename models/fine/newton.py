@@ -1,15 +1,13 @@
 """The equations of one collocation step, solved for the port forces and internal states at both stages."""
 
-from numba import njit
-
 from models.arrays import FloatArray
+from models.compiled import compiled
 from models.fine.desk import (
     BY_Q,
     BY_V,
     BY_Z,
     FORCE,
     LAW,
-    OPTIONS,
     RATE,
     RATE_BY_Q,
     RATE_BY_V,
@@ -25,7 +23,7 @@ from models.fine.tables import Tables
 A11, A12, A21, A22 = (float(weight) for weight in WEIGHTS.ravel())
 
 
-@njit(**OPTIONS)
+@compiled
 def faults(desk: Desk, items: Items, h: float) -> tuple[float, float, int]:
     """Fill in what is missing in forces and internal states: the largest of each, and how many equations there are."""
     n_ports = desk.port.shape[2]
@@ -47,7 +45,7 @@ def faults(desk: Desk, items: Items, h: float) -> tuple[float, float, int]:
     return worst_force, worst_state, row
 
 
-@njit(**OPTIONS)
+@compiled
 def write_force_rows(desk: Desk, tables: Tables, level: int, size: int) -> None:
     """Equations of the forces: each is what its port's laws give for the motion that all of them cause."""
     n_ports, reached = desk.port.shape[2], tables.reached
@@ -65,7 +63,7 @@ def write_force_rows(desk: Desk, tables: Tables, level: int, size: int) -> None:
             desk.matrix[row, row] += 1.0
 
 
-@njit(**OPTIONS)
+@compiled
 def write_state_rows(desk: Desk, tables: Tables, items: Items, level: int, size: int) -> None:
     """Equations of the internal states: each is the integral of its rate up to the stage."""
     n_ports, reached, h, row = desk.port.shape[2], tables.reached, tables.h[level], 2 * desk.port.shape[2]
@@ -90,7 +88,7 @@ def write_state_rows(desk: Desk, tables: Tables, items: Items, level: int, size:
         row += 2
 
 
-@njit(**OPTIONS)
+@compiled
 def correct(desk: Desk, tables: Tables, items: Items, level: int, size: int) -> None:
     """One Newton correction of the forces and internal states."""
     n_ports = desk.port.shape[2]
@@ -108,7 +106,7 @@ def correct(desk: Desk, tables: Tables, items: Items, level: int, size: int) -> 
             row += 2
 
 
-@njit(**OPTIONS)
+@compiled
 def pivot(matrix: FloatArray, right: FloatArray, k: int, n: int) -> None:
     """Bring the equation with the largest coefficient in column k to row k."""
     best = k
@@ -121,7 +119,7 @@ def pivot(matrix: FloatArray, right: FloatArray, k: int, n: int) -> None:
             matrix[k, j], matrix[best, j] = matrix[best, j], matrix[k, j]
 
 
-@njit(**OPTIONS)
+@compiled
 def eliminate(matrix: FloatArray, right: FloatArray, n: int) -> None:
     """Solve the leading n equations in place by elimination with pivots; the solution stands in ``right``."""
     for k in range(n):

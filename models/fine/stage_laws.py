@@ -1,8 +1,7 @@
 """The point forces at one stage of a step and their slopes, as compiled code."""
 
-from numba import njit
-
-from models.fine.desk import BY_Q, BY_V, BY_Z, LAW, OPTIONS, RATE, RATE_BY_Q, RATE_BY_V, RATE_BY_Z, Desk, Q, V, Z
+from models.compiled import compiled
+from models.fine.desk import BY_Q, BY_V, BY_Z, LAW, RATE, RATE_BY_Q, RATE_BY_V, RATE_BY_Z, Desk, Q, V, Z
 from models.fine.point_forces import BILATERAL, CLEARANCE, GROWTH, IS_CONTACT, OFFSET, Items
 from models.law_call import call_law
 
@@ -10,7 +9,7 @@ NUDGE_Q, NUDGE_V, NUDGE_Z = 1e-9, 1e-7, 1e-7
 """For slopes of laws: m (times 1 + |q|), m/s and the internal state's unit."""
 
 
-@njit(**OPTIONS)
+@compiled
 def pressing(items: Items, j: int, t: float, q: float, v: float) -> int:
     """What ``Desk.closed`` should say of contact j at an instant."""
     if items.contact[j, BILATERAL] > 0.0:
@@ -24,7 +23,7 @@ def pressing(items: Items, j: int, t: float, q: float, v: float) -> int:
     return side if normal > 0.0 else 0
 
 
-@njit(**OPTIONS)
+@compiled
 def item_force(items: Items, j: int, closed: int, t: float, q: float, v: float, z: float) -> float:
     """Force of item j on the structure, a contact being open or closed as told."""
     force: float = 0.0
@@ -38,7 +37,7 @@ def item_force(items: Items, j: int, closed: int, t: float, q: float, v: float, 
     return force
 
 
-@njit(**OPTIONS)
+@compiled
 def weigh(desk: Desk, items: Items, t: float, stage: int) -> None:
     """Fill in what the laws say at one stage."""
     for i in range(desk.port.shape[2]):
@@ -51,7 +50,7 @@ def weigh(desk: Desk, items: Items, t: float, stage: int) -> None:
             desk.item[RATE, stage, j] = call_law(items.rate[j], t, q, v, z, items.values, items.first[j])
 
 
-@njit(**OPTIONS)
+@compiled
 def lean(desk: Desk, items: Items, t: float, stage: int) -> None:
     """Fill in the slopes of the laws at one stage."""
     for i in range(desk.port.shape[2]):
