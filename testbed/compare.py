@@ -20,6 +20,9 @@ from testbed.metrics import mac
 SEGMENTS_PER_RECORD = 8.0
 """Segments without overlap into which a record is cut for its FRFs, where its excitation does not repeat."""
 
+LEAST_COHERENCE = 0.5
+"""Lines at which no sensor is coherent with the excitation to this degree were not excited and carry no FRF."""
+
 MODES_BEYOND = 1.5
 """The model's modes are looked for up to this many times the highest measured natural frequency."""
 
@@ -104,7 +107,7 @@ def compare(hypothesis: Hypothesis, records: Sequence[AnyRecord], *, seed: int =
 
 
 def score_frfs(score: Score) -> tuple[FrfPair, ...]:
-    """FRFs of the measured and the predicted channels, below 0.35 fs; a free decay has none.
+    """FRFs of the measured and the predicted channels on the excited lines below 0.35 fs; a free decay has none.
 
     Args:
         score: finished.
@@ -119,8 +122,10 @@ def _estimated(row: RecordScore) -> FrfPair:
     moving = np.ptp(row.predicted, axis=1) > 0
     channels = np.vstack([record.responses, row.predicted[moving]])
     estimate = estimate_frf(record.excitation, channels, record.fs, resolution=SEGMENTS_PER_RECORD / record.duration)
-    lines = estimate.frequency <= SCORE_EDGE * record.fs
     n = len(record.sensors)
+    in_band = estimate.frequency <= SCORE_EDGE * record.fs
+    excited = in_band & (estimate.coherence[:n].max(axis=0) >= LEAST_COHERENCE)
+    lines = excited if excited.any() else in_band
     predicted = np.zeros((n, int(lines.sum())), complex)
     predicted[moving] = estimate.h1[n:, lines]
     coherence = estimate.coherence[:n, lines]

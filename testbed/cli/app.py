@@ -28,8 +28,8 @@ for module, command in (
 
 BAD_INPUT, INTERRUPTED = 2, 130
 
-# typer brings its own click or uses the installed one; its BadParameter is a UsageError of whichever it is.
-UsageErrors: tuple[type[Exception], ...] = tuple(kind for kind in typer.BadParameter.__mro__ if kind.__name__ == "UsageError")
+# typer brings its own click or uses the installed one; the ancestors of its BadParameter are those of whichever it is.
+UsageErrors: tuple[type[Exception], ...] = tuple(k for k in typer.BadParameter.__mro__ if k.__name__ == "UsageError")
 
 
 @app.callback(invoke_without_command=True)
@@ -65,7 +65,6 @@ def main(arguments: Sequence[str]) -> int:
         where = f"{error.filename}: " if error.filename else ""
         return _refuse(f"{where}{error.strerror or error}; files can be read and written; check the path and its space")
     except (KeyboardInterrupt, typer.Abort):
-        print("interrupted; no half-written file is left behind", file=sys.stderr)
         return INTERRUPTED
     return status if isinstance(status, int) else 0
 

@@ -1,5 +1,6 @@
 """The figures of a comparison: overlays with a zoom, FRFs with coherence, errors beside the noise floor, modes."""
 
+from math import ceil
 from pathlib import Path
 
 import numpy as np
@@ -50,6 +51,8 @@ def overlay_figure(row: RecordScore, rig: Rig) -> Figure:
         plot_overlay(axes[i, 1], record.time[zoom], record.responses[i, zoom], row.predicted[i, zoom], label)
         axes[i, 0].set_title(f"NRMSE {row.channel_nrmse[i]:.3g}, noise {row.channel_noise_nrmse[i]:.2g}", fontsize=9)
         axes[i, 1].set_title("where the error is largest", fontsize=9)
+    for ax in axes[-1]:
+        ax.set_xlabel("time [s]")
     axes[0, 0].legend(loc="upper right", fontsize=8)
     return figure
 
@@ -83,15 +86,18 @@ def frf_figure(pair: FrfPair, rig: Rig) -> Figure:
         pair: on the same lines.
         rig: for the units.
     """
-    n, rows = len(pair.sensors), 1 if pair.coherence is None else 2
-    figure = Figure(figsize=(9.0, 2.3 * n * rows / 1.4), layout="constrained")
-    ratios = [1.0] * n if rows == 1 else [2.0, 1.0] * n
-    axes = figure.subplots(rows * n, 1, squeeze=False, height_ratios=ratios, sharex=True)[:, 0]
+    columns, kinds = min(2, len(pair.sensors)), 1 if pair.coherence is None else 2
+    rows = ceil(len(pair.sensors) / columns)
+    figure = Figure(figsize=(6.0 * columns, 1.6 * rows * kinds), layout="constrained")
+    axes = figure.subplots(kinds * rows, columns, squeeze=False, sharex=True, height_ratios=[2.0, 1.0][:kinds] * rows)
     for i, name in enumerate(pair.sensors):
-        label = f"{name} [{frf_unit(rig, name)}]"
-        plot_frf(axes[rows * i], pair.frequency, {"measured": pair.measured[i], "predicted": pair.predicted[i]}, label)
+        row, column = kinds * (i // columns), i % columns
+        curves = {"measured": pair.measured[i], "predicted": pair.predicted[i]}
+        plot_frf(axes[row, column], pair.frequency, curves, f"{name} [{frf_unit(rig, name)}]")
         if pair.coherence is not None:
-            plot_coherence(axes[rows * i + 1], pair.frequency, pair.coherence[i])
-    axes[0].set_title(pair.record, fontsize=9)
-    axes[0].legend(fontsize=8)
+            plot_coherence(axes[row + 1, column], pair.frequency, pair.coherence[i])
+    for ax in axes[-1]:
+        ax.set_xlabel("frequency [Hz]")
+    figure.suptitle(pair.record, fontsize=9)
+    axes[0, 0].legend(fontsize=8)
     return figure

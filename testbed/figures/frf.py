@@ -21,8 +21,7 @@ def plot_frf(ax: Axes, frequency: FloatArray, curves: Mapping[str, ComplexArray]
     """
     for (name, values), style in zip(curves.items(), STYLES * len(curves), strict=False):
         ax.semilogy(frequency, np.abs(values), linewidth=0.9, label=name, **style)
-    ax.set_ylabel(label)
-    ax.set_xlabel("frequency [Hz]")
+    ax.set_ylabel(label, fontsize=8)
 
 
 def plot_coherence(ax: Axes, frequency: FloatArray, coherence: FloatArray) -> None:
@@ -35,5 +34,4 @@ def plot_coherence(ax: Axes, frequency: FloatArray, coherence: FloatArray) -> No
     """
     ax.plot(frequency, coherence, color="tab:green", linewidth=0.8)
     ax.set_ylim(0.0, 1.05)
-    ax.set_ylabel("coherence [-]")
-    ax.set_xlabel("frequency [Hz]")
+    ax.set_ylabel("coherence", fontsize=8)

@@ -21,6 +21,7 @@ def levels_figure(levels: Levels, sensor: int) -> Figure:
         label = f"{channels.sensors[sensor]} [{channels.units[sensor]}]"
         plot_frf(axes[0, column], estimate.frequency, curves, label)
         plot_coherence(axes[1, column], estimate.frequency, estimate.coherence[sensor])
+        axes[1, column].set_xlabel("frequency [Hz]")
         axes[0, column].set_title(f"rms {estimate.level:.3g} {channels.excitation_unit}", fontsize=9)
     axes[0, 0].legend(fontsize=8)
     return figure

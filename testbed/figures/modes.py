@@ -20,4 +20,5 @@ def modes_figure(found: RigModes) -> Figure:
     for i, ax in enumerate(axes):
         title = f"{found.modes.natural_freqs[i]:.2f} Hz, damping ratio {100 * found.modes.damping_ratios[i]:.3g} %"
         plot_shape(ax, found.x, found.shapes[i].real, sleeves, title)
+    axes[-1].set_xlabel("position [m]")
     return figure

@@ -16,7 +16,6 @@ def plot_overlay(ax: Axes, time: FloatArray, measured: FloatArray, predicted: Fl
         label: of the vertical axis.
     """
     ax.plot(time, measured, color="0.35", linewidth=1.0, label="measured")
-    ax.plot(time, predicted, color="tab:red", linewidth=0.8, linestyle="--", label="predicted")
+    ax.plot(time, predicted, color="tab:red", linewidth=0.8, alpha=0.8, label="predicted")
     ax.set_xlim(float(time[0]), float(time[-1]))
-    ax.set_xlabel("time [s]")
     ax.set_ylabel(label)

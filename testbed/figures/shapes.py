@@ -22,4 +22,3 @@ def plot_shape(ax: Axes, x: FloatArray, shape: FloatArray, sleeves: Sequence[tup
     for position, touches in sleeves:
         ax.plot([position], [0.0], marker="^", color="tab:red", fillstyle="full" if touches else "none")
     ax.set_title(title, fontsize=9)
-    ax.set_xlabel("position [m]")

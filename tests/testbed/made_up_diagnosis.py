@@ -55,9 +55,9 @@ def made_up_diagnosis(rig, record=None, verdict="missing_effect"):
         Stage("+ squeeze_film at sleeve 2", calibrated.with_effects(FILM), made_up_score(record, 0.0071)),
     )
     by_frequency = np.full((n, 4), 0.1)
-    by_frequency[2, 1] = 0.9
+    by_frequency[-1, 1] = 0.9
     by_time = np.full((n, 3), 0.1)
-    by_time[2, 2] = 0.8
+    by_time[-1, 2] = 0.8
     error_map = ErrorMap(
         record.name, 1.0, np.array([10.0, 20.0, 30.0, 40.0]), by_frequency, np.array([1.0, 2.0, 3.0]), by_time,
         np.full((n, 4), 0.01),

@@ -70,7 +70,7 @@ def test_the_error_falls_from_model_to_model(content):
 
 def test_where_names_the_worst_sensor_band_and_window(content):
     worst = content["where"]["records"][0]
-    assert (worst["sensor"]["name"], worst["band"]["frequency"], worst["window"]["time"]) == ("P3", 20.0, 3.0)
+    assert (worst["sensor"]["name"], worst["band"]["frequency"], worst["window"]["time"]) == ("P8", 20.0, 3.0)
     assert content["where"]["forces"][0]["largest_at"] == 0.5
     assert content["where"]["forces"][0]["rms"] == pytest.approx(0.3)
 

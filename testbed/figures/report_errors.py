@@ -1,0 +1,65 @@
+"""The error falling from model to model, against the noise floor."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import FuncFormatter, NullFormatter
+
+from models.arrays import FloatArray
+from testbed.figures.report_style import MEASURED, NOISE
+
+
+def plot_error_steps(ax: Axes, labels: Sequence[str], errors: FloatArray, noise: float, colours: Sequence[str]) -> None:
+    """Error of each model in order, and the noise floor as a line.
+
+    Args:
+        ax: to draw on.
+        labels: of the models.
+        errors: (n_models,) NRMSE.
+        noise: NRMSE of a perfect model.
+        colours: of the models.
+    """
+    place = np.arange(len(labels))
+    percent = 100.0 * np.asarray(errors)
+    ax.step(place, percent, where="mid", color="#bbbbbb", linewidth=1.0, zorder=1)
+    ax.scatter(place, percent, s=46, c=list(colours), zorder=3, label="records learned from")
+    for x, y in zip(place, percent, strict=True):
+        ax.annotate(f"{y:.3g} %", (x, y), (0, 7), textcoords="offset points", ha="center", va="bottom", fontsize=8.5)
+    ax.axhline(100.0 * noise, color=NOISE, linewidth=1.0, linestyle="--", zorder=1)
+    ax.annotate(
+        f"noise floor {100.0 * noise:.2g} %", (1.0, 100.0 * noise), (0, -3), xycoords=("axes fraction", "data"),
+        textcoords="offset points", ha="right", va="top", fontsize=8.5, color="#666666",
+    )  # fmt: skip
+    ax.set_xticks(place, list(labels))
+    ax.set_xlim(-0.6, len(labels) - 0.4)
+    _percent_axis(ax)
+
+
+def plot_holdout(ax: Axes, place: Sequence[int], errors: FloatArray, noise: float) -> None:
+    """Errors on records kept aside, hollow, beside the models that made them.
+
+    Args:
+        ax: of ``plot_error_steps``.
+        place: index of each model.
+        errors: NRMSE of each.
+        noise: NRMSE of a perfect model on these records.
+    """
+    x, percent = np.asarray(place) + 0.18, 100.0 * np.asarray(errors)
+    ax.scatter(
+        x, percent, s=40, marker="D", facecolors="none", edgecolors=MEASURED, linewidths=1.0, zorder=3,
+        label=f"records kept aside (noise {100.0 * noise:.2g} %)",
+    )  # fmt: skip
+    for at, y in zip(x, percent, strict=True):
+        ax.annotate(f"{y:.3g} %", (at, y), (8, 0), textcoords="offset points", ha="left", va="center", fontsize=8)
+
+
+def _percent_axis(ax: Axes) -> None:
+    ax.set_yscale("log")
+    ax.set_ylabel("error, NRMSE [%]")
+    low, high = ax.get_ylim()
+    ax.set_ylim(low / 1.6, high * 1.6)
+    ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    ax.yaxis.set_minor_formatter(NullFormatter())
+    ax.grid(visible=True, axis="y")
+    ax.set_axisbelow(True)

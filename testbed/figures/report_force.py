@@ -1,0 +1,46 @@
+"""The missing force against the motion at its place, and over time."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PathCollection
+
+from models.arrays import FloatArray
+
+DOT = {"s": 2.0, "linewidths": 0.0, "alpha": 0.55, "cmap": "viridis", "rasterized": True}
+
+
+def plot_force_over(
+    ax: Axes, motion: FloatArray, force: FloatArray, time: FloatArray, label: str, wall: tuple[float, float] | None
+) -> PathCollection:
+    """Force against displacement or velocity, coloured by time, so that a drift shows.
+
+    Args:
+        ax: to draw on.
+        motion: (n,) in the unit that the label names.
+        force: (n,) N.
+        time: (n,) s.
+        label: of the horizontal axis.
+        wall: where the sleeve's walls are, in the unit of the motion, or None.
+    """
+    dots = ax.scatter(motion, force, c=time, **DOT)
+    span = float(np.ptp(motion))
+    for side in wall or ():
+        if motion.min() - 0.2 * span < side < motion.max() + 0.2 * span:
+            ax.axvline(side, color="#555555", linewidth=0.8, linestyle=":")
+    ax.axhline(0.0, color="#bbbbbb", linewidth=0.6, zorder=0)
+    ax.set_xlabel(label)
+    return dots
+
+
+def plot_force_in_time(ax: Axes, time: FloatArray, force: FloatArray) -> None:
+    """Force over the record.
+
+    Args:
+        ax: to draw on.
+        time: (N,) s.
+        force: (N,) N.
+    """
+    ax.plot(time, force, color="#555555", linewidth=0.4, rasterized=True)
+    ax.axhline(0.0, color="#bbbbbb", linewidth=0.6, zorder=0)
+    ax.set_xlim(float(time[0]), float(time[-1]))
+    ax.set_xlabel("time [s]")

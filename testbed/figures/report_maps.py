@@ -1,0 +1,65 @@
+"""Error maps: sensors over frequency bands or time windows."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from matplotlib.colors import LogNorm
+
+from models.arrays import FloatArray
+
+CMAP = "YlOrRd"
+AT_NOISE = "#e9edf1"
+"""Cells whose error the noise explains."""
+
+NOISE_MARGIN = 1.5
+TICKS = 7
+
+
+def plot_frequency_map(
+    ax: Axes, frequency: FloatArray, sensors: Sequence[str], error: FloatArray, noise: FloatArray, norm: LogNorm
+) -> QuadMesh:
+    """Error in each band of each sensor; what is within ``NOISE_MARGIN`` of the noise is left pale.
+
+    Args:
+        ax: to draw on.
+        frequency: (n_bands,) centres, Hz.
+        sensors: names.
+        error: (n_sensors, n_bands) over the channel's rms.
+        noise: (n_sensors, n_bands) the same for a perfect model.
+        norm: of the colours.
+    """
+    mesh = _mesh(ax, np.ma.masked_array(error, error <= NOISE_MARGIN * noise), sensors, norm)
+    shown = np.unique(np.linspace(0, len(frequency) - 1, min(TICKS, len(frequency))).round().astype(int))
+    ax.set_xticks(shown + 0.5, [f"{frequency[i]:.3g}" for i in shown])
+    ax.set_xlabel("frequency [Hz]")
+    return mesh
+
+
+def plot_time_map(ax: Axes, time: FloatArray, sensors: Sequence[str], error: FloatArray, norm: LogNorm) -> QuadMesh:
+    """Error in each window of each sensor.
+
+    Args:
+        ax: to draw on.
+        time: (n_windows,) centres, s.
+        sensors: names.
+        error: (n_sensors, n_windows) over the channel's rms.
+        norm: of the colours.
+    """
+    mesh = _mesh(ax, np.ma.masked_array(error), sensors, norm)
+    shown = np.unique(np.linspace(0, len(time) - 1, min(TICKS, len(time))).round().astype(int))
+    ax.set_xticks(shown + 0.5, [f"{time[i]:.3g}" for i in shown])
+    ax.set_xlabel("time [s]")
+    return mesh
+
+
+def _mesh(ax: Axes, error: "np.ma.MaskedArray", sensors: Sequence[str], norm: LogNorm) -> QuadMesh:
+    ax.set_facecolor(AT_NOISE)
+    mesh = ax.pcolormesh(
+        np.ma.clip(error, norm.vmin, norm.vmax), cmap=CMAP, norm=norm, edgecolors="white", linewidth=0.3
+    )
+    ax.set_yticks(np.arange(len(sensors)) + 0.5, list(sensors))
+    ax.set_ylim(len(sensors), 0)
+    ax.tick_params(length=2)
+    return mesh

@@ -1,0 +1,84 @@
+"""A small rig with two short records, as files, for the tests of the commands."""
+
+from pathlib import Path
+
+import numpy as np
+
+from models.effects import Place
+from models.effects.squeeze_film import SqueezeFilm
+from models.plant import build_plant
+from models.record import Record
+from models.rig_file import read_rig
+from models.simulate import simulate
+from testbed.records.write import write_record
+
+RIG_TOML = """# The owner's comment.
+[structure]
+kind = "beam"
+length = 1.2
+diameter = 0.02
+youngs_modulus = 210e9
+density = 7850.0
+rayleigh_damping = [4.0, 2e-5]
+
+[tolerances]
+youngs_modulus = 0.01
+
+[[sleeves]]
+name = "sleeve 1"
+position = 0.5
+clearance = 3e-4
+stiffness = 1e5
+damping = 80.0
+
+[[sleeves]]
+name = "sleeve 2"
+position = 1.0
+clearance = 1.5e-4
+stiffness = 1e5
+damping = 80.0
+
+[excitation]
+name = "shaker"
+node = 100
+position = 0.8
+
+[[sensors]]
+name = "P1"
+node = 1
+position = 0.3
+
+[[sensors]]
+name = "P2"
+node = 2
+position = 0.7
+
+[[sensors]]
+name = "P3"
+node = 3
+position = 1.2
+"""
+FS, N_SAMPLES = 512.0, 512
+FILM = SqueezeFilm(Place(sleeve="sleeve 2", position=1.0), damping=40.0)
+
+
+def make_files(folder: Path) -> Path:
+    """``rig.toml`` without the grease, ``sweep.csv`` and ``burst.csv`` with it and a little noise."""
+    (folder / "rig.toml").write_text(RIG_TOML)
+    rig = read_rig(folder / "rig.toml")
+    for seed, name in enumerate(("sweep.csv", "burst.csv")):
+        write_record(made_record(rig, name, seed), rig, folder / name)
+    return folder
+
+
+def made_record(rig, name, seed, effects=(FILM,)):
+    """One record with the grease in it."""
+    rng = np.random.default_rng(seed)
+    spectrum = np.fft.rfft(rng.standard_normal(N_SAMPLES))
+    frequency = np.fft.rfftfreq(N_SAMPLES, 1.0 / FS)
+    spectrum[(frequency < 5.0) | (frequency > 150.0)] = 0.0
+    excitation = 30.0 * np.fft.irfft(spectrum, N_SAMPLES) * np.minimum(1.0, np.arange(N_SAMPLES) / 50.0)
+    record = Record(name, FS, excitation, tuple(s.name for s in rig.sensors), np.zeros((len(rig.sensors), N_SAMPLES)))
+    channels = simulate(build_plant(rig, effects), record).channels
+    noisy = channels + 0.005 * channels.std() * rng.standard_normal(channels.shape)
+    return Record(name, FS, excitation, record.sensors, noisy)

@@ -1,0 +1,87 @@
+"""One effect added by hand is fitted, written and remembered; a wrong one is told before anything is computed."""
+
+import json
+
+import pytest
+from cli_files import FILM, make_files
+
+from models.effects import EFFECTS, Place, build_effect
+from models.effects.protocol import Scene
+from models.rig_file import read_rig
+from testbed.add import trials_at
+from testbed.cli.app import main
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return make_files(tmp_path_factory.mktemp("add"))
+
+
+@pytest.fixture(autouse=True)
+def inside(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+
+
+def test_the_grease_is_fitted_and_remembered(folder, capsys):
+    arguments = [
+        "add",
+        "rig.toml",
+        "squeeze_film",
+        "--sleeve",
+        "sleeve 2",
+        "--fit",
+        "burst.csv",
+        "--out",
+        "a",
+        "--json",
+    ]
+    assert main(arguments) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert content == json.loads((folder / "a" / "compare.json").read_text())
+    rig = read_rig(folder / "a" / "rig.updated.toml")
+    effect = build_effect(rig.effects[0], rig, EFFECTS)
+    # Noise of 0.5 % in one second of record.
+    assert effect.damping == pytest.approx(FILM.damping, rel=0.02)
+    assert rig.structure.youngs_modulus == pytest.approx(210e9, rel=2e-3)
+    assert content["nrmse"] < 0.006
+    models = json.loads((folder / "a" / "history" / "history.json").read_text())["entries"]
+    assert [entry["model"] for entry in models] == ["as given", "+ squeeze_film at sleeve 2"]
+    assert models[0]["nrmse"] > 20.0 * models[1]["nrmse"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["squeeze_film", "--position", "1.0"], "squeeze_film takes one sleeve; give sleeve"),
+        (["squeeze_fil", "--sleeve", "sleeve 2"], 'kind = "squeeze_fil"; the library has '),
+        (["squeeze_film", "--sleeve", "sleeve 3"], 'the rig\'s sleeves are "sleeve 1", "sleeve 2"'),
+        (["squeeze_film", "--sleeve", "sleeve 2", "--against", "ground"], "squeeze_film has damping"),
+        (["sensor_gain"], "sensor_gain with no place; sensor_gain takes one sensor; give sensor"),
+    ],
+)  # fmt: skip
+def test_an_effect_that_does_not_fit_is_told(arguments, message, capsys):
+    assert main(["add", "rig.toml", *arguments, "--fit", "burst.csv", "--out", "none"]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_trials_are_made_for_what_moves_nearest_and_carry_the_options(folder, monkeypatch):
+    friction = EFFECTS["coulomb_friction"](Place(position=0.31), friction_force=1.0, slip_velocity=1.0)
+    made = {}
+
+    def trials(cls, scene):
+        made["scene"] = scene
+        yield friction
+        yield friction
+
+    scene_here = _scene(Place(position=0.3), 1.0)
+    other = _scene(Place(position=0.9), 2.0)
+    at_sleeve = _scene(Place(sleeve="sleeve 1", position=0.31), 3.0)
+    monkeypatch.setattr(type(friction), "trials", classmethod(trials))
+    monkeypatch.setattr("testbed.add.scenes", lambda *_: {s.place: s for s in (other, at_sleeve, scene_here)})
+    found = trials_at(None, None, friction, {"against": "ground"})
+    assert [(trial.against, trial.place.position) for trial in found] == [("ground", 0.31)]
+    assert (made["scene"].displacement, made["scene"].place.position) == (1.0, 0.31)
+
+
+def _scene(place, displacement):
+    return Scene(place, None, None, displacement, 1.0, 1.0, 0.0, 1.0, driven_base=False)

@@ -1,0 +1,92 @@
+"""Exit statuses, messages in three parts, help with examples, and what goes to which stream."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from models.errors import DivergenceError
+from testbed.cli.app import main
+
+COMMANDS = ("demo", "check", "compare", "diagnose", "add", "history", "undo", "modes", "frf")
+RIG = Path(__file__).parents[1] / "data" / "reference_rig.toml"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "beginning"),
+    [
+        (["compare", "none.toml", "a.csv"], "none.toml does not exist; a rig is a TOML file; correct the path"),
+        (["compare", str(RIG), "a.csv"], "a.csv: there is no such file; a record is a file; check the path"),
+        (["compare", str(RIG)], "testbed compare: Missing argument 'RECORD"),
+        (["compair"], "testbed: No such command 'compair'"),
+        (["modes", str(RIG), "--up-to", "many"], "testbed modes: Invalid value for '--up-to'"),
+        (["modes", str(RIG), "--upto", "5"], "testbed modes: No such option: --upto"),
+        (["modes", str(RIG), "--up-to", "1"], "no mode oscillates up to 1 Hz"),
+        (["compare", str(RIG), "a.csv", "--jobs", "0"], "testbed compare: Invalid value for '--jobs'"),
+        (["diagnose", str(RIG), "a.csv", "--holdout", "b/a.csv"], "a.csv is named 2 times"),
+        (["frf", "a.doc"], 'a.doc: the suffix ".doc"'),
+        (["history", "nowhere"], "nowhere: no history"),
+    ],
+)
+def test_bad_input_is_one_message_of_three_parts_and_status_2(arguments, beginning, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(arguments) == 2
+    streams = capsys.readouterr()
+    assert streams.out == ""
+    message = streams.err.splitlines()[-1]
+    assert message.startswith(beginning)
+    assert message.count(";") >= 2
+    assert "Traceback" not in streams.err
+
+
+def test_a_motion_that_grows_without_bound_is_a_message(monkeypatch, capsys, tmp_path):
+    def diverge(*args, **kwargs):
+        raise DivergenceError("sweep.csv: the motion grew without bound 0.1 s after the start")
+
+    monkeypatch.setattr("testbed.inputs.read_inputs", diverge)
+    assert main(["compare", str(RIG), "sweep.csv", "--out", str(tmp_path)]) == 2
+    assert "sweep.csv: the motion grew without bound" in capsys.readouterr().err
+
+
+def test_a_results_folder_that_is_a_file_is_a_message(capsys, tmp_path):
+    (tmp_path / "out").write_text("")
+    assert main(["modes", str(RIG), "--out", str(tmp_path / "out")]) == 2
+    assert "File exists; results go into a folder" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_shows_an_example(command, capsys):
+    assert main([command, "--help"]) == 0
+    assert f"Example: testbed {command}" in capsys.readouterr().out
+
+
+def test_without_a_command_the_help_lists_them_all(capsys):
+    assert main([]) == 0
+    out = capsys.readouterr().out
+    assert all(command in out for command in COMMANDS)
+
+
+def test_an_interrupt_is_no_traceback(monkeypatch, capsys):
+    def interrupt(*args, **kwargs):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("testbed.inputs.read_inputs", interrupt)
+    assert main(["compare", str(RIG), "a.csv"]) == 130
+    assert "Traceback" not in capsys.readouterr().err
+
+
+def test_the_commands_start_without_the_heavy_libraries():
+    heavy = ["numpy", "scipy", "numba", "matplotlib", "pint", "h5py"]
+    code = "import sys, testbed.cli.app; print([name for name in sys.argv[1:] if name in sys.modules])"
+    result = subprocess.run([sys.executable, "-c", code, *heavy], capture_output=True, text=True, check=True)
+    assert result.stdout == "[]\n"
+
+
+def test_as_a_process_the_status_is_2_and_there_is_no_traceback(tmp_path):
+    house = Path(__file__).parents[2]
+    command = [sys.executable, "-m", "testbed", "compare", str(tmp_path / "no.toml"), "a.csv"]
+    result = subprocess.run(command, cwd=house, capture_output=True, text=True, check=False)
+    assert (result.returncode, result.stdout) == (2, "")
+    assert result.stderr.endswith("no.toml does not exist; a rig is a TOML file; correct the path\n")
+    assert "Traceback" not in result.stderr

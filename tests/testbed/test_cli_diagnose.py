@@ -1,0 +1,176 @@
+"""What ``testbed diagnose`` writes, when it does not run again, and that nothing half-written stays."""
+
+import json
+import sys
+from types import ModuleType
+
+import numpy as np
+import pytest
+from cli_files import make_files
+from made_up_diagnosis import made_up_diagnosis
+
+from models.record import ModeShapeRecord
+from models.rig_file import read_rig
+from testbed import inputs
+from testbed.cli.app import main
+
+
+class Loop:
+    """Stands for the diagnosis and the report, and remembers what they were asked."""
+
+    def __init__(self):
+        self.calls, self.provenance, self.broken = [], None, False
+
+    def diagnose(self, rig, records, holdout=(), *, seed=0, jobs=2, progress=print):
+        self.calls.append(([r.name for r in records], [r.name for r in holdout], seed, jobs))
+        progress("screening")
+        return made_up_diagnosis(rig, records[0])
+
+    def write_report(self, diagnosis, rig, out_dir, provenance):
+        self.provenance = provenance
+        if self.broken:
+            raise OSError(28, "No space left on device", str(out_dir))
+        (out_dir / "report.html").write_text("<html></html>")
+        return out_dir / "report.html"
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return make_files(tmp_path)
+
+
+@pytest.fixture
+def loop(monkeypatch):
+    fake = Loop()
+    pytest.importorskip("identification.diagnose")
+    monkeypatch.setattr("identification.diagnose.diagnose", fake.diagnose)
+    report = ModuleType("testbed.report")
+    report.write_report = fake.write_report
+    monkeypatch.setitem(sys.modules, "testbed.report", report)
+    return fake
+
+
+def diagnose(*arguments):
+    return main(["diagnose", "rig.toml", "sweep.csv", *arguments])
+
+
+def test_the_results_of_a_diagnosis_stand_in_its_folder(folder, loop, capsys):
+    assert diagnose("--holdout", "burst.csv", "--seed", "3", "--jobs", "1") == 0
+    assert loop.calls == [(["sweep.csv"], ["burst.csv"], 3, 1)]
+    out = folder / "results" / "rig"
+    files = {str(path.relative_to(out)) for path in out.rglob("*") if path.is_file()}
+    history = {f"history/{name}" for name in ("0001.toml", "0002.toml", "0003.toml", "history.json")}
+    assert files == {"diagnosis.json", "rig.updated.toml", "report.html", "run.json", *history}
+    assert json.loads((out / "diagnosis.json").read_text())["verdict"] == "missing_effect"
+    assert read_rig(out / "rig.updated.toml").effects[0].kind == "squeeze_film"
+    streams = capsys.readouterr()
+    assert "+ squeeze_film at sleeve 2" in streams.out
+    assert "results/rig/report.html" in streams.out
+    assert "screening" in streams.err
+    assert "screening" not in streams.out
+
+
+def test_json_alone_is_on_standard_output(folder, loop, capsys):
+    assert diagnose("--json") == 0
+    content = json.loads(capsys.readouterr().out)
+    assert content == json.loads((folder / "results" / "rig" / "diagnosis.json").read_text())
+
+
+def test_the_same_inputs_are_not_diagnosed_twice(folder, loop, capsys):
+    diagnose()
+    capsys.readouterr()
+    assert diagnose() == 0
+    assert len(loop.calls) == 1
+    assert "kept (--again repeats it)" in capsys.readouterr().err
+    diagnose("--again")
+    assert len(loop.calls) == 2
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda folder: (folder / "rig.toml").write_text((folder / "rig.toml").read_text() + "\n# new\n"),
+        lambda folder: (folder / "sweep.csv").write_text((folder / "sweep.csv").read_text() + "\n"),
+        lambda folder: (folder / "results" / "rig" / "report.html").unlink(),
+        lambda folder: (folder / "results" / "rig" / "rig.updated.toml").write_text("# by hand"),
+    ],
+)
+def test_a_change_of_any_input_or_output_diagnoses_again(folder, loop, change):
+    diagnose()
+    change(folder)
+    diagnose()
+    assert len(loop.calls) == 2
+
+
+@pytest.mark.parametrize("option", [("--seed", "1"), ("--holdout", "burst.csv"), ("--without", "P1")])
+def test_another_question_is_another_run(folder, loop, option):
+    diagnose()
+    diagnose(*option)
+    assert len(loop.calls) == 2
+
+
+def test_more_threads_are_the_same_question(folder, loop):
+    diagnose("--jobs", "1")
+    diagnose("--jobs", "2")
+    assert len(loop.calls) == 1
+
+
+def test_a_report_that_cannot_be_written_leaves_the_old_results(folder, loop, capsys):
+    diagnose()
+    out = folder / "results" / "rig"
+    before = {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
+    loop.broken = True
+    assert diagnose("--again") == 2
+    assert "No space left on device" in capsys.readouterr().err
+    assert {path: path.read_bytes() for path in out.rglob("*") if path.is_file()} == before
+
+
+def test_the_report_is_told_where_everything_comes_from(folder, loop):
+    diagnose("--seed", "3")
+    assert loop.provenance["seed"] == 3
+    assert loop.provenance["records"] == {"sweep.csv": inputs.sha256(folder / "sweep.csv")}
+
+
+def test_mode_shapes_are_compared_and_not_learned_from(folder, loop, monkeypatch, capsys):
+    read = inputs.read_record
+    modes = np.array([20.0, 60.0]), None, np.array([[1.0, 2.0], [1.0, -1.0]], complex)
+    shapes = ModeShapeRecord("shapes.csv", ("P1", "P2"), *modes)
+
+    def read_shapes(path, *args, **kwargs):
+        return shapes if "burst" in str(path) else read(path, *args, **kwargs)
+
+    monkeypatch.setattr(inputs, "read_record", read_shapes)
+    assert diagnose("burst.csv") == 0
+    content = json.loads((folder / "results" / "rig" / "diagnosis.json").read_text())
+    assert content["where"]["linear"]["as given"][0]["record"] == "shapes.csv"
+    assert "no nonlinearity can be seen" in capsys.readouterr().out
+    assert loop.calls[0][0] == ["sweep.csv"]
+    assert main(["diagnose", "rig.toml", "burst.csv"]) == 2
+    assert "no time record; a diagnosis learns from at least one" in capsys.readouterr().err
+
+
+def test_steps_back_go_through_the_models_of_the_diagnosis(folder, loop, capsys):
+    diagnose()
+    capsys.readouterr()
+    assert main(["undo", "results/rig"]) == 0
+    assert "model 2 again: calibrated, NRMSE 0.24" in capsys.readouterr().out
+    assert read_rig(folder / "results" / "rig" / "rig.updated.toml").effects == ()
+    assert main(["history", "results/rig", "--json"]) == 0
+    history = json.loads(capsys.readouterr().out)
+    assert (history["current"], history["entries"][0]["model"]) == (2, "as given")
+
+
+def test_the_demo_diagnoses_the_shipped_records_and_keeps_the_holdout_aside(folder, loop, monkeypatch):
+    shipped = folder / "testbed" / "demo"
+    (shipped / "records").mkdir(parents=True)
+    for name, new in (
+        ("rig.toml", "rig.toml"),
+        ("sweep.csv", "records/sweep.csv"),
+        ("burst.csv", "records/holdout.csv"),
+    ):
+        (shipped / new).write_bytes((folder / name).read_bytes())
+    monkeypatch.setattr("testbed.cli.demo.__file__", str(folder / "testbed" / "cli" / "demo.py"))
+    assert main(["demo"]) == 0
+    assert loop.calls[0][:2] == (["sweep.csv"], ["holdout.csv"])
+    assert (folder / "results" / "demo" / "report.html").exists()

@@ -1,0 +1,95 @@
+"""``modes``, ``frf``, ``compare`` and ``check`` on files."""
+
+import json
+
+import numpy as np
+import pytest
+from cli_files import make_files
+
+from testbed.cli.app import main
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return make_files(tmp_path_factory.mktemp("look"))
+
+
+@pytest.fixture(autouse=True)
+def inside(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+
+
+def test_modes_tell_the_rest_and_the_modes(folder, capsys):
+    assert main(["modes", "rig.toml", "--up-to", "200", "--json"]) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert content == json.loads((folder / "results" / "rig" / "modes.json").read_text())
+    assert list(content) == ["sleeves", "modes"]
+    inner, outer = content["sleeves"]
+    assert (inner["touches"], outer["touches"]) == (False, True)
+    assert inner["gap"] > 0.0
+    assert outer["contact_force"] > 0.0
+    assert list(content["modes"][0]) == ["natural_freq", "damping_ratio", "shape"]
+    assert list(content["modes"][0]["shape"]) == ["P1", "P2", "P3"]
+    assert (folder / "results" / "rig" / "figures" / "modes.png").stat().st_size > 1000
+
+
+def test_an_oscillator_has_one_mode_and_no_figure(folder, capsys):
+    (folder / "mass.toml").write_text(
+        '[structure]\nkind = "oscillator"\nmass = 3.0\nstiffness = 1200.0\ndamping = 0.6\n[[sensors]]\nname = "a"\n'
+    )
+    assert main(["modes", "mass.toml", "--json"]) == 0
+    mode = json.loads(capsys.readouterr().out)["modes"][0]
+    assert mode["natural_freq"] == pytest.approx(20.0 / (2 * np.pi))
+    assert mode["damping_ratio"] == pytest.approx(0.005)
+    assert main(["modes", "mass.toml"]) == 0
+
+
+@pytest.mark.parametrize("more", [(), ("--rig", "rig.toml"), ("--excitation", "shaker")])
+def test_frfs_of_a_record_with_and_without_its_rig(folder, capsys, more):
+    assert main(["frf", "burst.csv", *more, "--resolution", "8", "--json"]) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert list(content) == ["record", "excitation_unit", "levels", "findings"]
+    level = content["levels"][0]
+    assert list(level) == ["level", "averages", "frequency", "channels"]
+    assert [(c["sensor"], c["unit"]) for c in level["channels"]] == [(f"P{i}", "(m/s^2)/N") for i in (1, 2, 3)]
+    assert list(level["channels"][0]) == ["sensor", "unit", "h1", "h2", "coherence"]
+    assert len(level["channels"][0]["h1"]["imag"]) == len(level["frequency"])
+    assert (folder / "results" / "burst" / "figures" / "burst.csv-P1-frf.png").exists()
+
+
+def test_a_channel_without_unit_needs_the_rig(folder, capsys):
+    text = (folder / "burst.csv").read_text().replace("P2 [m/s^2]", "P2")
+    (folder / "plain.csv").write_text(text)
+    assert main(["frf", "plain.csv"]) == 2
+    assert "channel P2 has the unit" in capsys.readouterr().err
+    assert main(["frf", "plain.csv", "--without", "P2"]) == 0
+
+
+def test_an_excitation_that_is_not_there_is_told_with_the_channels(capsys):
+    assert main(["frf", "burst.csv", "--excitation", "hammer"]) == 2
+    assert "no single excitation among its channels (shaker, P1, P2, P3)" in capsys.readouterr().err
+
+
+def test_compare_writes_json_and_figures_and_prints_nothing_else(folder, capsys):
+    assert main(["compare", "rig.toml", "sweep.csv", "--out", "seen", "--jobs", "1", "--json"]) == 0
+    streams = capsys.readouterr()
+    assert json.loads(streams.out) == json.loads((folder / "seen" / "compare.json").read_text())
+    assert "sweep.csv" in streams.err
+    figures = {path.name for path in (folder / "seen" / "figures").iterdir()}
+    assert figures == {"sweep.csv-time.png", "sweep.csv-nrmse.png", "sweep.csv-frf.png"}
+
+
+def test_compare_leaves_a_channel_out(capsys):
+    assert main(["compare", "rig.toml", "sweep.csv", "--out", "less", "--without", "P2", "--json"]) == 0
+    channels = json.loads(capsys.readouterr().out)["records"][0]["channels"]
+    assert [channel["sensor"] for channel in channels] == ["P1", "P3"]
+
+
+def test_check_says_all_and_its_status_is_2_for_an_error(folder, capsys):
+    assert main(["check", "rig.toml", "sweep.csv"]) == 0
+    assert capsys.readouterr().out.count("fine: ") == 2
+    (folder / "empty.csv").write_text("")
+    assert main(["check", "rig.toml", "empty.csv", "gone.csv", "sweep.csv", "--json"]) == 2
+    content = json.loads(capsys.readouterr().out)
+    assert content["errors"] == 2
+    assert [row["severity"] for row in content["findings"]] == ["fine", "error", "error", "fine"]

@@ -1,0 +1,44 @@
+"""``docs/commands.md`` names every command, and its cheap examples do what they say."""
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+from cli_files import make_files
+
+from testbed.cli.app import app, main
+
+PAGE = (Path(__file__).parents[2] / "docs" / "commands.md").read_text(encoding="utf-8")
+EXAMPLES = [
+    shlex.split(line)[1:]
+    for block in re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL)
+    for line in block.splitlines()
+    if line.startswith("testbed ")
+]
+LONG = ("diagnose", "demo")
+"""Run elsewhere: with made-up results in test_cli_diagnose.py, in earnest by the demo's own test."""
+
+
+def test_every_command_has_an_example():
+    commands = [command.callback.__name__ for command in app.registered_commands]
+    assert {example[0] for example in EXAMPLES} == set(commands)
+
+
+def test_the_examples_run_one_after_the_other(tmp_path, monkeypatch, capsys):
+    make_files(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    ordered = sorted((e for e in EXAMPLES if e[0] not in LONG), key=lambda e: e[0] in ("history", "undo"))
+    for example in ordered:
+        assert main(example) == 0, (example, capsys.readouterr().err)
+
+
+@pytest.mark.parametrize("example", [e for e in EXAMPLES if e[0] in LONG], ids=lambda e: e[0])
+def test_a_long_example_is_understood(example, monkeypatch, tmp_path):
+    seen = []
+    monkeypatch.setattr(f"testbed.cli.{example[0]}.diagnose_files", lambda *args, **kwargs: seen.append((args, kwargs)))
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "testbed" / "demo" / "records").mkdir(parents=True)
+    monkeypatch.setattr("testbed.cli.demo.__file__", str(tmp_path / "testbed" / "cli" / "demo.py"))
+    assert main(example) == 0
+    assert seen
