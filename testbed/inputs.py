@@ -22,6 +22,7 @@ class Inputs:
     Attributes:
         rig_path: the rig file.
         rig: what it says.
+        record_paths: all records, those kept aside last.
         records: to compare with or learn from.
         holdout: kept aside.
         digests: version, SHA-256 of every file's bytes, and the channels left out.
@@ -29,6 +30,7 @@ class Inputs:
 
     rig_path: Path
     rig: Rig
+    record_paths: tuple[Path, ...]
     records: tuple[AnyRecord, ...]
     holdout: tuple[AnyRecord, ...]
     digests: dict[str, Any]
@@ -64,6 +66,7 @@ def read_inputs(
     return Inputs(
         rig_path,
         rig,
+        (*records, *holdout),
         tuple(read_record(path, rig, without=without, strict=strict) for path in records),
         tuple(read_record(path, rig, without=without, strict=strict) for path in holdout),
         {

@@ -88,7 +88,7 @@ def _diagnose(
     inputs: Inputs, out: Path, wanted: Json, *, jobs: int, seed: int, command: str, progress: Progress
 ) -> Json:
     from identification.diagnose import diagnose
-    from testbed.report import write_report
+    from testbed.report import provenance, write_report
 
     timed, linear = _sorted(inputs.records)
     aside, _ = _sorted(inputs.holdout)
@@ -109,7 +109,7 @@ def _diagnose(
     with staged(out) as stage:
         (stage / DIAGNOSIS).write_text(json_text(content), encoding="utf-8")
         remember(out, stage, models, like=inputs.rig_path, command=command)
-        write_report(diagnosis, inputs.rig, stage, {**wanted, "command": command, "jobs": jobs})
+        write_report(diagnosis, inputs.rig, stage, provenance(inputs.rig_path, inputs.record_paths, seed, command))
         run = {"inputs": wanted, "outputs": _digests(stage), "command": command}
         (stage / LAST).write_text(json_text(run), encoding="utf-8")
     return json.loads((out / DIAGNOSIS).read_text(encoding="utf-8"))  # type: ignore[no-any-return]

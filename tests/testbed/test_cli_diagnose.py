@@ -47,6 +47,7 @@ def loop(monkeypatch):
     monkeypatch.setattr("identification.diagnose.diagnose", fake.diagnose)
     report = ModuleType("testbed.report")
     report.write_report = fake.write_report
+    report.provenance = lambda rig_path, record_paths, seed, command: (rig_path, record_paths, seed, command)
     monkeypatch.setitem(sys.modules, "testbed.report", report)
     return fake
 
@@ -127,9 +128,10 @@ def test_a_report_that_cannot_be_written_leaves_the_old_results(folder, loop, ca
 
 
 def test_the_report_is_told_where_everything_comes_from(folder, loop):
-    diagnose("--seed", "3")
-    assert loop.provenance["seed"] == 3
-    assert loop.provenance["records"] == {"sweep.csv": inputs.sha256(folder / "sweep.csv")}
+    diagnose("--seed", "3", "--holdout", "burst.csv")
+    rig_path, record_paths, seed, command = loop.provenance
+    assert (rig_path.name, [path.name for path in record_paths], seed) == ("rig.toml", ["sweep.csv", "burst.csv"], 3)
+    assert command.startswith("testbed ")
 
 
 def test_mode_shapes_are_compared_and_not_learned_from(folder, loop, monkeypatch, capsys):
