@@ -6,6 +6,7 @@ The threads share the records; the time stepper and the transforms run outside P
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from scipy import fft
@@ -80,6 +81,13 @@ def nrmse(residual: ComplexArray, measured: ComplexArray) -> float:
     return float(np.sqrt(np.sum(np.abs(residual) ** 2) / np.sum(np.abs(measured) ** 2)))
 
 
+@cache
+def _pool(jobs: int) -> ThreadPoolExecutor:
+    """One pool for all evaluators; its threads do small algebra, for which the library's own threads only get in the way."""
+    threadpool_limits(1)
+    return ThreadPoolExecutor(jobs, thread_name_prefix="simulate")
+
+
 class Evaluator:
     """Simulates hypotheses against targets in parallel.
 
@@ -99,6 +107,10 @@ class Evaluator:
         """The same for other records."""
         return Evaluator(targets, self.jobs, self.settings)
 
+    def with_settings(self, settings: Settings) -> "Evaluator":
+        """The same at another resolution."""
+        return Evaluator(self.targets, self.jobs, settings)
+
     @property
     def n_data(self) -> int:
         """Real numbers in a residual."""
@@ -117,8 +129,7 @@ class Evaluator:
             return simulate(plant, target.record, settings or self.settings, start)
 
         self.n_runs += len(self.targets)
-        with threadpool_limits(1), ThreadPoolExecutor(self.jobs) as pool:
-            return list(pool.map(one, self.targets))
+        return list(_pool(self.jobs).map(one, self.targets))
 
     def residual_spectra(self, hypothesis: Hypothesis) -> list[ComplexArray]:
         """Model minus measured, per record, (n, lines)."""
@@ -158,8 +169,7 @@ class Evaluator:
                 row[ends[k] - len(part) : ends[k]] = part
 
         self.n_runs += len(jobs)
-        with threadpool_limits(1), ThreadPoolExecutor(self.jobs) as pool:
-            list(pool.map(one, jobs))
+        list(_pool(self.jobs).map(one, jobs))
         return rows
 
 

@@ -70,6 +70,7 @@ def fit(
     *,
     max_iterations: int = 12,
     jacobian: FloatArray | None = None,
+    keep: bool = False,
     tolerance: float = 2e-4,
 ) -> Fit:
     """Move the unknowns to the minimum of chi-square plus prior.
@@ -80,6 +81,7 @@ def fit(
         unknowns: what may move.
         max_iterations: of Levenberg and Marquardt.
         jacobian: (n_kept, n_data) columns of the first unknowns, known from an earlier fit nearby.
+        keep: never form the columns in ``jacobian`` anew; a quick look, not the minimum.
         tolerance: relative decrease of the cost that ends the fit.
 
     Raises:
@@ -100,10 +102,9 @@ def fit(
         if gained > 0:
             state = new
         small = gained < max(tolerance * state.cost, LEAST_GAIN)
-        if small and fresh:
+        if small and (fresh or keep):
             break
-        poor = gained < POOR_SHARE * promised
-        refresh_all = small or poor
+        refresh_all = not keep and (small or not POOR_SHARE < gained / max(promised, LEAST_GAIN) < 1.0 / POOR_SHARE)
         first = 0 if refresh_all else kept
         _differentiate(evaluator, state, unknowns, rows, range(first, len(unknowns)))
         fresh = refresh_all or kept == 0
@@ -118,7 +119,8 @@ def fit(
 LEAST_GAIN = 2.0
 """A smaller decrease of chi-square than this tells nothing about any unknown."""
 
-POOR_SHARE = 0.5
+POOR_SHARE = 0.6
+"""Where a step brings less than this share of what it promised, or that much more, the kept columns are out of date."""
 
 DAMPINGS = (1.0, 0.03, 30.0)
 """Factors on the damping tried together, so that no core waits."""
@@ -180,7 +182,7 @@ def _step(  # noqa: PLR0913
     best, promised = replace(state, cost=np.inf), 0.0
     for _ in range(4):
         steps = [
-            _bounded(-np.linalg.solve(normal + factor * damping * np.diag(size), gradient), prior)
+            _bounded(_free_step(state, unknowns, normal + factor * damping * np.diag(size), gradient), prior)
             for factor in DAMPINGS[: max(2, evaluator.jobs)]
         ]
         trials = [at_coordinates(state.hypothesis, unknowns, state.x + step) for step in steps]
@@ -198,6 +200,34 @@ def _step(  # noqa: PLR0913
             return best, promised, float(np.clip(damping * chosen, 1e-9, 1e6))
         damping = min(damping * 100.0, 1e6)
     return best, promised, damping
+
+
+def _free_step(
+    state: _State, unknowns: tuple[Unknown, ...], normal: FloatArray, gradient: FloatArray
+) -> FloatArray:
+    """Newton's step in the unknowns that it does not push out of their bounds."""
+    free = np.ones(len(gradient), dtype=bool)
+    step = np.zeros_like(gradient)
+    for _ in range(len(gradient)):
+        step[:] = 0.0
+        step[free] = -np.linalg.solve(normal[np.ix_(free, free)], gradient[free])
+        stuck = [k for k in np.flatnonzero(free) if _at_bound(unknowns[k], state, k, step[k])]
+        if not stuck:
+            break
+        free[stuck] = False
+    return step
+
+
+def _at_bound(unknown: Unknown, state: _State, k: int, move: float) -> bool:
+    """The unknown cannot move that way at all."""
+    if move == 0.0:
+        return False
+    nudge = np.sign(move) * min(abs(move), unknown.step)
+    moved = unknown.get(unknown.set(state.hypothesis, state.x[k] + nudge))
+    return bool(abs(moved - state.x[k]) < AT_BOUND * abs(nudge))
+
+
+AT_BOUND = 1e-3
 
 
 def _bounded(step: FloatArray, prior: FloatArray) -> FloatArray:

@@ -50,6 +50,10 @@ class Hypothesis:
         return replace(self, effects=(*self.effects, *effects))
 
 
+LARGEST_SIGMA = 4.0
+"""A number further from the rig file than this is not a matter of tolerance: something is missing or wrong."""
+
+
 class Unknown(ABC):
     """One number that a fit may move.
 
@@ -74,7 +78,7 @@ class Unknown(ABC):
 
 @dataclass(frozen=True)
 class RigUnknown(Unknown):
-    """A toleranced number of the rig file, in standard deviations from the given value."""
+    """A toleranced number of the rig file, in standard deviations from the given value, never far outside its tolerance."""
 
     parameter: RigParameter
     step: float = 0.05
@@ -87,7 +91,8 @@ class RigUnknown(Unknown):
         return (value - self.parameter.value) / self.parameter.std
 
     def set(self, hypothesis: Hypothesis, x: float) -> Hypothesis:
-        """Never below a twentieth of the given value: a stiffness or clearance stays positive."""
+        """Kept within ``LARGEST_SIGMA``, and positive."""
+        x = min(max(x, -LARGEST_SIGMA), LARGEST_SIGMA)
         value = max(self.parameter.value + x * self.parameter.std, 0.05 * self.parameter.value)
         return replace(hypothesis, values={**hypothesis.values, self.parameter.path: value})
 

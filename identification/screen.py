@@ -14,7 +14,7 @@ from identification.fit import Fit
 from identification.scene import places_of, scenes
 from models.arrays import FloatArray
 from models.effects import Registry
-from models.effects.protocol import Effect
+from models.effects.protocol import Effect, Place
 
 Progress = Callable[[str], None]
 
@@ -73,9 +73,23 @@ def screen(evaluator: Evaluator, base: Fit, registry: Registry, progress: Progre
         registry: kinds to try.
         progress: told how many simulations are coming.
     """
-    trials = list(_trials(evaluator, base, registry))
-    progress(f"screening {len(trials)} trial values of {len(registry)} kinds at every place")
     projection = Projection(base)
+    trials = _trials(evaluator, base, registry)
+    first = [row[len(row) // 2] for row in trials.values()]
+    progress(f"screening {len(registry)} kinds of effect at every place: {len(first)} trials")
+    suspects = _tried(evaluator, base, projection, first)
+    near = {(s.effect.kind, s.effect.place) for s in promising(suspects, PLACES_TO_VARY)}
+    rest = [e for key, row in trials.items() if key in near for e in row if e is not row[len(row) // 2]]
+    progress(f"trying {len(rest)} other values at the best places")
+    suspects += _tried(evaluator, base, projection, rest)
+    return sorted(suspects, key=lambda suspect: -suspect.gain)
+
+
+PLACES_TO_VARY = 3
+"""Places of each kind at which all trial values are tried, not only the middle one."""
+
+
+def _tried(evaluator: Evaluator, base: Fit, projection: Projection, trials: Sequence[Effect]) -> list[Suspect]:
     suspects: list[Suspect] = []
     for start in range(0, len(trials), BATCH):
         batch = trials[start : start + BATCH]
@@ -84,24 +98,25 @@ def screen(evaluator: Evaluator, base: Fit, registry: Registry, progress: Progre
             if row is not None:
                 gain, factor = projection.gain(row - base.residual)
                 suspects.append(Suspect(effect.scaled(factor), gain))
-    return sorted(suspects, key=lambda suspect: -suspect.gain)
+    return suspects
 
 
 BATCH = 16
 """Trials whose residuals are held in memory together."""
 
 
-def _trials(evaluator: Evaluator, base: Fit, registry: Registry) -> Sequence[Effect]:
+def _trials(evaluator: Evaluator, base: Fit, registry: Registry) -> dict[tuple[str, Place], list[Effect]]:
+    """Trial effects by kind and place."""
     rig = base.hypothesis.rig
     seen = scenes(evaluator, base.hypothesis, registry)
     present = {(e.kind, e.place) for e in base.hypothesis.effects}
-    trials: list[Effect] = []
+    trials: dict[tuple[str, Place], list[Effect]] = {}
     for kind in registry.values():
-        if rig.structure.kind not in kind.structures:
-            continue
-        for place in places_of(kind, rig):
-            if (kind.kind, place) not in present:
-                trials.extend(kind.trials(seen[place]))
+        if rig.structure.kind in kind.structures:
+            for place in places_of(kind, rig):
+                row = list(kind.trials(seen[place])) if (kind.kind, place) not in present else []
+                if row:
+                    trials[kind.kind, place] = row
     return trials
 
 

@@ -1,0 +1,67 @@
+"""How well a hypothesis predicts records: errors beside the noise floor."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from identification.calibrate import calibrate, unknowns_of
+from identification.evaluate import Evaluator, nrmse, scored_spectrum
+from identification.hypothesis import Hypothesis, effect_unknowns
+from identification.prepare import prepare, start_unknowns
+from identification.result import RecordScore, Score
+from models.record import Record
+
+
+def assess(hypothesis: Hypothesis, records: Sequence[Record], *, jobs: int = 2, seed: int = 0) -> Score:
+    """Predict every record from its measured excitation and compare.
+
+    The state at the start of records that do not start at rest is estimated first, nothing else is.
+
+    Args:
+        hypothesis: the model.
+        records: time records.
+        jobs: threads.
+        seed: of the noise that is carried through the model.
+    """
+    evaluator = prepare(hypothesis, records, jobs, np.random.default_rng(seed))
+    return score(evaluator, with_starts(evaluator, hypothesis))
+
+
+def with_starts(evaluator: Evaluator, hypothesis: Hypothesis) -> Hypothesis:
+    """The hypothesis with the starting states that fit its records best; as it is where all start at rest."""
+    unknowns = start_unknowns(hypothesis, [target.record for target in evaluator.targets])
+    return calibrate(evaluator, hypothesis, unknowns).hypothesis if unknowns else hypothesis
+
+
+def score(evaluator: Evaluator, hypothesis: Hypothesis) -> Score:
+    """Errors of a hypothesis on the evaluator's records, starts as they are."""
+    rows: list[RecordScore] = []
+    for target, response in zip(evaluator.targets, evaluator.responses(hypothesis), strict=True):
+        residual = scored_spectrum(response.channels) - target.measured
+        power = np.maximum(np.sum(np.abs(target.measured) ** 2, axis=1), np.finfo(float).tiny)
+        rows.append(
+            RecordScore(
+                record=target.record,
+                predicted=response.channels,
+                noise=target.noise,
+                nrmse=nrmse(residual, target.measured),
+                noise_nrmse=target.nrmse_of_noise,
+                channel_nrmse=np.sqrt(np.sum(np.abs(residual) ** 2, axis=1) / power),
+                channel_noise_nrmse=np.sqrt(target.record.n_samples * target.density.sum(axis=1) / power),
+            )
+        )
+    return Score(tuple(rows))
+
+
+def fit_effects(hypothesis: Hypothesis, records: Sequence[Record], *, jobs: int = 2, seed: int = 0) -> Hypothesis:
+    """Refit the hypothesis's effects together with the rig's toleranced numbers.
+
+    Args:
+        hypothesis: with effects at trial values.
+        records: time records.
+        jobs: threads.
+        seed: of the noise that is carried through the model.
+    """
+    evaluator = prepare(hypothesis, records, jobs, np.random.default_rng(seed))
+    unknowns = (*unknowns_of(hypothesis, evaluator), *effect_unknowns(hypothesis, places=False))
+    return calibrate(evaluator, hypothesis, unknowns).hypothesis

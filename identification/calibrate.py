@@ -1,0 +1,77 @@
+"""Bring the rig's toleranced numbers, and the state at the start of moving records, to the measurements.
+
+A wrong frequency turns into a wrong phase that grows with time, so the fit begins on short windows, where the phase is
+still right, and goes on with longer ones.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from identification.evaluate import Evaluator
+from identification.fit import Fit, fit
+from identification.hypothesis import LARGEST_SIGMA, Hypothesis, RigUnknown, Unknown, rig_unknowns
+from identification.prepare import MIN_SAMPLES, start_unknowns
+
+Windows = tuple[tuple[float, float], ...]
+
+WINDOWS: Windows = ((0.1, 0.5), (0.35, 2.0))
+"""First fits: the share of each record's response energy that they see, and the seconds at least."""
+
+
+def unknowns_of(hypothesis: Hypothesis, evaluator: Evaluator) -> tuple[Unknown, ...]:
+    """What is unknown before any effect is added."""
+    records = [target.record for target in evaluator.targets]
+    return (*rig_unknowns(hypothesis.rig), *start_unknowns(hypothesis, records))
+
+
+def calibrate(
+    evaluator: Evaluator, hypothesis: Hypothesis, unknowns: Sequence[Unknown], windows: Windows = WINDOWS
+) -> Fit:
+    """The fit of the unknowns on ever longer windows, ending with all that the evaluator holds.
+
+    Args:
+        evaluator: records and noise.
+        hypothesis: where to start.
+        unknowns: what may move.
+        windows: of the first fits.
+    """
+    for share, seconds in windows if unknowns else ():
+        short = beginning(evaluator, share, seconds)
+        if short.n_data < LONGEST_FIRST * evaluator.n_data:
+            hypothesis = fit(short, hypothesis, unknowns, tolerance=1e-2, max_iterations=15).hypothesis
+    return fit(evaluator, hypothesis, unknowns)
+
+
+LONGEST_FIRST = 0.6
+"""A first window longer than this share of all is left out: the fit of all is as quick."""
+
+
+def beginning(evaluator: Evaluator, share: float, seconds: float) -> Evaluator:
+    """The records up to where a share of the response's energy has passed, and so many seconds at least.
+
+    Args:
+        evaluator: with the records.
+        share: of the energy, so that a sweep or a late hammer blow is seen at all.
+        seconds: at least.
+    """
+    short = []
+    for target in evaluator.targets:
+        record = target.record
+        power = np.sum((record.responses / (record.responses.std(axis=1, keepdims=True) + TINY)) ** 2, axis=0)
+        reached = int(np.searchsorted(np.cumsum(power), share * power.sum()))
+        short.append(target.cut(max(MIN_SAMPLES, reached, round(seconds * record.fs))))
+    return evaluator.with_targets(short)
+
+
+TINY = 1e-300
+
+
+def strained(result: Fit) -> list[RigUnknown]:
+    """The rig's numbers that the fit pushed to the end of their tolerance."""
+    rig = (unknown for unknown in result.unknowns if isinstance(unknown, RigUnknown))
+    return [unknown for unknown in rig if abs(unknown.get(result.hypothesis)) > STRAINED_SHARE * LARGEST_SIGMA]
+
+
+STRAINED_SHARE = 0.95
+"""Share of the largest move at which a number counts as pushed to its end."""

@@ -1,0 +1,317 @@
+"""Once round the loop: compare, see where it fails, learn what is missing, add it, and watch the error fall."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from time import perf_counter
+
+import numpy as np
+
+from identification.assess import score, with_starts
+from identification.calibrate import calibrate, strained, unknowns_of
+from identification.evaluate import Evaluator, carry_noise
+from identification.fit import Fit, fit
+from identification.hypothesis import Hypothesis, effect_unknowns
+from identification.judge import Ranked, concerning, judge, probabilities, refit, with_evidence
+from identification.outcome import added_effects, candidates_of, groups_of, next_experiment, rig_estimates
+from identification.prepare import Horizon, cut_to, horizons, prepare, resolved
+from identification.result import Diagnosis, Score, Stage, Verdict
+from models.effects import EFFECTS, Registry
+from models.record import Record
+from models.rig import Rig
+from models.simulate import Settings
+
+Progress = Callable[[str], None]
+
+NOISE_REACHED = 1.15
+"""Residual over noise up to which a model has nothing left to explain: the noise itself is known to about a tenth."""
+
+NOISE_NEAR = 1.5
+"""Residual over noise up to which what is left may be the noise estimate's own error."""
+
+MOST_EFFECTS = 3
+
+LEAST_SHARE = 0.25
+"""An effect is added only if it takes away this share of the squared misfit beyond the noise."""
+
+EXPLAINED_SHARE = 0.9
+"""Share of the squared misfit beyond the noise that the added effects must take away, where the noise is not reached."""
+
+LEAST_EVIDENCE = 12.0
+"""Logarithm of the odds that an effect must bring against the model without it."""
+
+FIT_SECONDS, SCREEN_SECONDS, TIME_SECONDS = 16.0, 5.0, 10.0
+"""Seconds of records that are used for refits, for the screening, and for the screening of effects in time."""
+
+
+def silent(message: str) -> None:
+    """No progress."""
+    del message
+
+
+@dataclass
+class _Session:
+    """What one diagnosis works with."""
+
+    everything: Evaluator
+    fitting: Evaluator
+    limits: list[Horizon]
+    registry: Registry
+    progress: Progress
+    decisions: list[str] = field(default_factory=list)
+
+    def decide(self, text: str) -> None:
+        self.decisions.append(text)
+        self.progress(text)
+
+
+def diagnose(
+    rig: Rig,
+    records: Sequence[Record],
+    holdout: Sequence[Record] = (),
+    *,
+    seed: int = 0,
+    jobs: int = 2,
+    registry: Registry = EFFECTS,
+    progress: Progress = silent,
+) -> Diagnosis:
+    """Find what a rig file lacks to explain its records.
+
+    Args:
+        rig: as its owner describes it.
+        records: time records.
+        holdout: records kept aside to show what the updated model is worth.
+        seed: of every random choice.
+        jobs: threads.
+        registry: kinds of effects to consider.
+        progress: told in words what is done and decided.
+    """
+    began = perf_counter()
+    given = Hypothesis(rig, registry=registry)
+    session = _open(given, records, seed, jobs, progress)
+    started = with_starts(session.everything, given)
+    stages = [_stage(session, "as given", started)]
+    base = calibrate(session.fitting, started, unknowns_of(given, session.fitting))
+    base = _resolve(session, base)
+    session.decide(_calibration_in_words(base))
+    stages.append(_stage(session, "calibrated", base.hypothesis))
+    session.everything = session.everything.with_targets(
+        carry_noise(session.everything, base.hypothesis, np.random.default_rng(seed))
+    )
+    calibrated, chain, rounds = base, [base], []
+    while len(chain[-1].hypothesis.effects) < MOST_EFFECTS and not _enough(session, chain[-1]):
+        ranked, better = _round(session, chain[-1])
+        if better is not None and not chain[-1].hypothesis.effects:
+            session.decide("a better calibration was found on the way; the judgement starts again from it")
+            calibrated, chain = better, [better]
+            stages[-1] = _stage(session, "calibrated", better.hypothesis)
+            if _enough(session, better):
+                break
+            ranked, _ = _round(session, better)
+        rounds.append(ranked)
+        chosen = _accept(session, chain[-1], ranked)
+        if chosen is None:
+            break
+        chosen = _resolve(session, chosen)
+        chain.append(chosen)
+        stages.append(_stage(session, f"+ {chosen.hypothesis.effects[-1].label()}", chosen.hypothesis))
+    verdict = _verdict(session, calibrated, chain[-1], rounds)
+    final = chain[-1] if verdict == "missing_effect" else calibrated
+    return _result(session, given, stages, rounds, verdict, final, holdout, seed, began)
+
+
+def _open(given: Hypothesis, records: Sequence[Record], seed: int, jobs: int, progress: Progress) -> _Session:
+    progress(f"estimating the noise of {len(records)} records")
+    everything = prepare(given, records, jobs, np.random.default_rng(seed))
+    limits = horizons(everything, given)
+    session = _Session(everything, cut_to(everything, FIT_SECONDS, limits), limits, given.registry, progress)
+    for limit, target in zip(limits, everything.targets, strict=True):
+        if limit.seconds < target.record.duration:
+            session.decide(
+                f"{limit.record}: neighbouring motions part by a factor of {limit.growth:.0e}; "
+                f"only its first {limit.seconds:.2f} s are used to fit"
+            )
+        session.decide(f"{limit.record}: sensors' noise from {target.noise.method}; {target.noise.excitation_method}")
+    return session
+
+
+def _stage(session: _Session, label: str, hypothesis: Hypothesis) -> Stage:
+    stage = Stage(label, hypothesis, score(session.everything, hypothesis))
+    session.progress(f"{label}: error {stage.score.nrmse:.3%}, noise floor {stage.score.noise_nrmse:.3%}")
+    return stage
+
+
+def _resolve(session: _Session, result: Fit) -> Fit:
+    """The fit again with smaller steps, if those it used were too coarse for the noise."""
+    finer = resolved(session.fitting, result.hypothesis)
+    if finer.settings == session.fitting.settings:
+        return result
+    session.fitting, session.everything = finer, session.everything.with_settings(finer.settings)
+    session.decide(f"steps halved to {finer.settings.steps_per_sample} per sample: the coarser ones stood above the noise")
+    return fit(finer, result.hypothesis, result.unknowns)
+
+
+def _calibration_in_words(base: Fit) -> str:
+    far = strained(base)
+    words = f"calibrated within the tolerances: residual {base.ratio:.2f} times the noise"
+    if far:
+        moves = ", ".join(f"{u.parameter.label} by {u.get(base.hypothesis):+.1f} sigma" for u in far)
+        return f"{words}, but only by moving {moves}"
+    return words
+
+
+def _enough(session: _Session, result: Fit) -> bool:
+    """The noise is reached with every number within its tolerance."""
+    del session
+    return result.ratio <= NOISE_REACHED and not strained(result)
+
+
+def _round(session: _Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
+    """Effects ranked, and a calibration without the best of them if that is better than the one so far."""
+    lasting = {name: kind for name, kind in session.registry.items() if kind.family == "time"}
+    instant = {name: kind for name, kind in session.registry.items() if kind.family != "time"}
+    screening = []
+    for kinds, seconds, most in ((instant, SCREEN_SECONDS, 2), (lasting, TIME_SECONDS, 1)):
+        if kinds:
+            evaluator = cut_to(session.everything, seconds, session.limits, most)
+            screening.append((evaluator, fit(evaluator, base.hypothesis, concerning(base, evaluator), max_iterations=1), kinds))
+    ranked = judge(screening, session.fitting, base, session.progress)
+    if not ranked:
+        return [], None
+    without = replace(ranked[0].fit.hypothesis, effects=base.hypothesis.effects)
+    again = fit(session.fitting, without, base.unknowns)
+    better = again if base.cost - again.cost > max(100.0, 0.02 * base.cost) else None
+    return ranked, better
+
+
+def _accept(session: _Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | None:
+    """The fit with the best effect, refined, if it explains enough."""
+    if not ranked:
+        session.decide("no effect of the library improves the model")
+        return None
+    best = ranked[0]
+    scale = max(1.0, best.fit.ratio**2)
+    odds = best.log_evidence + 0.5 * base.cost / scale
+    share = (base.cost - best.fit.cost) / max(base.cost - base.n_data, 1.0)
+    name = best.effect.label()
+    if odds < LEAST_EVIDENCE or (base.ratio > NOISE_REACHED and share < LEAST_SHARE):
+        session.decide(f"{name} is the best of the library, but takes away only {share:.0%} of the misfit: not added")
+        return None
+    session.decide(
+        f"{name} added: residual from {base.ratio:.2f} to {best.fit.ratio:.2f} times the noise, "
+        f"{min(share, 1.0):.0%} of the misfit beyond the noise; {best.effect.in_words()}"
+    )
+    return _refined(session, best.fit)
+
+
+def _refined(session: _Session, result: Fit) -> Fit:
+    """The last effect described in more detail as long as the evidence grows."""
+    while True:
+        rows = [
+            Ranked(effect, result, refitted=True, log_evidence=0.0) for effect in result.hypothesis.effects[-1].refined()
+        ]
+        if not rows or result.ratio <= NOISE_REACHED:
+            return result
+        base = replace(result.hypothesis, effects=result.hypothesis.effects[:-1])
+        n_shared = len([u for u in result.unknowns if getattr(u, "effect", -1) < len(base.effects)])
+        shared = replace(
+            result,
+            hypothesis=base,
+            unknowns=result.unknowns[:n_shared],
+            jacobian=result.jacobian[:n_shared],
+        )
+        fits = [refit(session.fitting, shared, row.effect, result.hypothesis.values) for row in rows]
+        now = Ranked(result.hypothesis.effects[-1], result, refitted=True, log_evidence=0.0)
+        finer = [Ranked(f.hypothesis.effects[-1], f, refitted=True, log_evidence=0.0) for f in fits if f is not None]
+        best = with_evidence([now, *finer])[0]
+        if best.fit is result:
+            return result
+        session.decide(f"{best.effect.label()} described in more detail: residual {best.fit.ratio:.2f} times the noise")
+        result = best.fit
+
+
+def _verdict(session: _Session, calibrated: Fit, final: Fit, rounds: Sequence[Sequence[Ranked]]) -> Verdict:
+    if not final.hypothesis.effects:
+        if not rounds or (calibrated.ratio <= NOISE_NEAR and not strained(calibrated)):
+            session.decide("complete: the calibrated model reaches the noise")
+            return "complete"
+        session.decide("unexplained: nothing in the library explains what is left")
+        return "unexplained"
+    share = (calibrated.cost - final.cost) / max(calibrated.cost - calibrated.n_data, 1.0)
+    if final.ratio <= NOISE_NEAR or share >= EXPLAINED_SHARE:
+        session.decide(f"missing effect found; residual {final.ratio:.2f} times the noise")
+        return "missing_effect"
+    session.decide(f"unexplained: the best of the library leaves {final.ratio:.1f} times the noise")
+    return "unexplained"
+
+
+def _result(  # noqa: PLR0913
+    session: _Session,
+    given: Hypothesis,
+    stages: list[Stage],
+    rounds: Sequence[Sequence[Ranked]],
+    verdict: Verdict,
+    final: Fit,
+    holdout: Sequence[Record],
+    seed: int,
+    began: float,
+) -> Diagnosis:
+    polished = _polish(session, final)
+    if stages[-1].hypothesis is not polished.hypothesis:
+        label = stages[-1].label if verdict != "unexplained" else "calibrated"
+        kept = [s for s in stages if verdict != "unexplained" or not s.hypothesis.effects]
+        stages = [*kept[:-1], _stage(session, label, polished.hypothesis)]
+    first = rounds[0] if rounds else []
+    chances = probabilities([r.log_evidence for r in first] + [_nothing(first, final)]) if first else []
+    return Diagnosis(
+        verdict=verdict,
+        added=added_effects(polished, rounds),
+        candidates=candidates_of(first, chances, session.fitting),
+        indistinguishable=groups_of(first, chances),
+        stages=tuple(stages),
+        holdout=_held_out(session, given, polished.hypothesis, holdout, seed),
+        rig_estimates=rig_estimates(polished),
+        where=(),
+        missing_forces=(),
+        updated_maps=(),
+        traces=_traces(session, polished.hypothesis),
+        next_experiment=next_experiment(verdict, first, chances, session.limits),
+        decisions=tuple(session.decisions),
+        seconds=perf_counter() - began,
+        seed=seed,
+        findings=tuple(f for t in session.everything.targets for f in t.record.findings),
+    )
+
+
+def _nothing(first: Sequence[Ranked], final: Fit) -> float:
+    """Log evidence of "nothing more", on the scale of the round."""
+    scale = max(1.0, min(r.fit.ratio for r in first) ** 2)
+    return -0.5 * final.cost / scale if not final.hypothesis.effects else min(r.log_evidence for r in first) - 50.0
+
+
+def _polish(session: _Session, final: Fit) -> Fit:
+    """A last fit on all that can be predicted, where the fits so far used a part."""
+    whole = cut_to(session.everything, float("inf"), session.limits)
+    if whole.n_data == session.fitting.n_data:
+        return final
+    unknowns = (*unknowns_of(final.hypothesis, whole), *effect_unknowns(final.hypothesis))
+    session.progress(f"last fit on all {sum(t.record.duration for t in whole.targets):.0f} s")
+    return fit(whole, final.hypothesis, unknowns, max_iterations=4, tolerance=1e-3)
+
+
+def _held_out(
+    session: _Session, given: Hypothesis, updated: Hypothesis, holdout: Sequence[Record], seed: int
+) -> Mapping[str, Score]:
+    if not holdout:
+        return {}
+    session.progress(f"predicting {len(holdout)} records kept aside")
+    evaluator = prepare(updated, holdout, session.everything.jobs, np.random.default_rng(seed))
+    return {
+        "as given": score(evaluator, with_starts(evaluator, given)),
+        "updated": score(evaluator, with_starts(evaluator, updated)),
+    }
+
+
+def _traces(session: _Session, hypothesis: Hypothesis) -> dict[str, object]:
+    responses = session.everything.responses(hypothesis, Settings(trace=True))
+    rows = zip(session.everything.targets, responses, strict=True)
+    return {target.record.name: response.trace for target, response in rows if response.trace is not None}

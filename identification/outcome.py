@@ -1,0 +1,100 @@
+"""From fits to what a person reads: candidates, intervals, groups that cannot be told apart, the next experiment."""
+
+from collections.abc import Sequence
+from math import exp
+
+import numpy as np
+
+from identification.evaluate import Evaluator
+from identification.fit import Fit
+from identification.hypothesis import EffectUnknown, PlaceUnknown, RigUnknown
+from identification.judge import Ranked
+from identification.prepare import Horizon
+from identification.result import AddedEffect, Candidate, Estimate, Verdict
+from models.effects import Effect
+
+TELLABLE = 0.02
+"""Candidates with a larger share of the probability than this cannot be excluded."""
+
+
+def rig_estimates(result: Fit) -> tuple[Estimate, ...]:
+    """Calibrated numbers of the rig with standard deviations."""
+    rows: list[Estimate] = []
+    for unknown, std in zip(result.unknowns, result.std(), strict=True):
+        if isinstance(unknown, RigUnknown):
+            about = unknown.parameter
+            value = about.value + unknown.get(result.hypothesis) * about.std
+            rows.append(Estimate(about.path, value, float(std) * about.std, about.unit))
+    return tuple(rows)
+
+
+def effect_estimates(result: Fit, index: int) -> tuple[Estimate, ...]:
+    """Parameters of one effect of the fit with standard deviations, its position among them where it was fitted."""
+    effect, stds = result.hypothesis.effects[index], result.std()
+    entries: dict[str, list[float]] = {}
+    rows: list[Estimate] = []
+    names = [name for name, _ in effect.fitted_parameters()]
+    for unknown, std in zip(result.unknowns, stds, strict=True):
+        if isinstance(unknown, EffectUnknown) and unknown.effect == index:
+            value = float(effect.fitted_values()[unknown.entry])
+            size = abs(value) * (exp(min(float(std), 3.0)) - 1.0) if unknown.about.scale == "log" else unknown.unit * std
+            entries.setdefault(names[unknown.entry], []).append(float(size))
+        elif isinstance(unknown, PlaceUnknown) and unknown.effect == index:
+            rows.append(Estimate("position", effect.place.position or 0.0, float(std) * unknown.length / 20.0, "m"))
+    for name, about in effect.parameters().items():
+        value = getattr(effect, name)
+        sizes = entries.get(name, [0.0] * (len(value) if isinstance(value, tuple) else 1))
+        std_out = tuple(sizes) if isinstance(value, tuple) else sizes[0]
+        rows.append(Estimate(name, value, std_out, about.unit))
+    return tuple(rows)
+
+
+def added_effects(result: Fit, rounds: Sequence[Sequence[Ranked]]) -> tuple[AddedEffect, ...]:
+    """The effects of the fit, each with its probability in the round that added it."""
+    from identification.judge import probabilities
+
+    rows: list[AddedEffect] = []
+    for index, effect in enumerate(result.hypothesis.effects):
+        ranked = rounds[index]
+        chance = probabilities([r.log_evidence for r in ranked])[0]
+        rows.append(AddedEffect(effect, chance, effect_estimates(result, index)))
+    return tuple(rows)
+
+
+def candidates_of(ranked: Sequence[Ranked], chances: Sequence[float], evaluator: Evaluator) -> tuple[Candidate, ...]:
+    """What was refitted in a round, with its error on the records it was refitted on."""
+    noise = float(np.sqrt(np.mean([target.nrmse_of_noise**2 for target in evaluator.targets])))
+    return tuple(
+        Candidate(r.effect, chance, r.fit.ratio * noise, r.log_evidence - ranked[0].log_evidence, r.refitted)
+        for r, chance in zip(ranked, chances, strict=False)
+    )
+
+
+def groups_of(ranked: Sequence[Ranked], chances: Sequence[float]) -> tuple[tuple[Effect, ...], ...]:
+    """Effects of a round that the records cannot tell from the best, places that its fit leaves open among them."""
+    if not ranked:
+        return ()
+    group = [r.effect for r, chance in zip(ranked, chances, strict=False) if chance > TELLABLE]
+    return (tuple(group),) if len(group) > 1 else ()
+
+
+def next_experiment(
+    verdict: Verdict, ranked: Sequence[Ranked], chances: Sequence[float], limits: Sequence[Horizon]
+) -> dict[str, str | float]:
+    """What to measure next to learn most."""
+    if any(limit.growth > CHAOTIC for limit in limits):
+        return {"do": "repeat at a lower level", "why": "neighbouring motions part too fast to be followed"}
+    if verdict == "complete":
+        return {"do": "repeat at a higher level", "why": "a nonlinearity shows only where the motion reaches it"}
+    open_kinds = [r.effect for r, chance in zip(ranked, chances, strict=False) if chance > TELLABLE]
+    if len(open_kinds) > 1 and open_kinds[0].kind != open_kinds[1].kind:
+        return {
+            "do": "measure at two more levels",
+            "why": f"{open_kinds[0].label()} and {open_kinds[1].label()} differ in how they grow with amplitude",
+        }
+    return {"do": "a hold-out record of another kind (a slow sweep)", "why": "to see whether the updated model predicts it"}
+
+
+CHAOTIC = 1e4
+
+

@@ -1,0 +1,171 @@
+"""From records to what a fit works on: noise, the part that can be predicted, and windows that fit the time there is."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import pi
+
+import numpy as np
+
+from identification.evaluate import Evaluator, Target, carry_noise, scored_spectrum, whitened
+from identification.hypothesis import Hypothesis, StartUnknown, Unknown
+from identification.noise import estimate_noise
+from models.arrays import FloatArray
+from models.band_limit import STOP_EDGE
+from models.modal import ModalModel, build_modal
+from models.record import Record
+from models.simulate import MAX_STEPS_PER_SAMPLE, Settings
+
+DISTURBANCE = 1e-7
+"""Relative disturbance of the excitation by whose growth the divergence of neighbouring motions is measured."""
+
+PREDICTABLE_GROWTH = 300.0
+"""Growth up to which a model whose numbers are off by a part in a thousand still follows its own path."""
+
+DIVERGENCE_WINDOW = 0.25
+"""Seconds over which growth is averaged."""
+
+
+def prepare(hypothesis: Hypothesis, records: Sequence[Record], jobs: int, rng: np.random.Generator) -> Evaluator:
+    """An evaluator of the records with their noise, that of the excitation carried through the model.
+
+    Args:
+        hypothesis: the model that carries it.
+        records: time records.
+        jobs: threads.
+        rng: for the realisations of the noise.
+    """
+    evaluator = Evaluator([Target.of(record, estimate_noise(record)) for record in records], jobs)
+    return evaluator.with_targets(carry_noise(evaluator, hypothesis, rng))
+
+
+def start_unknowns(hypothesis: Hypothesis, records: Sequence[Record]) -> tuple[Unknown, ...]:
+    """The state at the first sample of each record that does not start at rest, mode by mode within the band."""
+    unknowns: list[Unknown] = []
+    plant = hypothesis.plant()
+    for record in records:
+        if record.moving_start:
+            model = build_modal(plant, STOP_EDGE * record.fs)
+            scales = _state_scales(model, record)
+            unknowns += [StartUnknown(i, 2 * model.n, s, record.name) for i, s in enumerate(scales) if s > 0]
+    return tuple(unknowns)
+
+
+def _state_scales(model: ModalModel, record: Record) -> FloatArray:
+    """(2n,) typical modal displacements and velocities; 0 for modes above the band."""
+    by_name = {sensor.name: sensor for sensor in model.plant.sensors}
+    lowest = 2.0 * pi / record.duration
+    omega = np.maximum(model.omega, lowest)
+    size = np.zeros(model.n)
+    for name, channel in zip(record.sensors, record.responses, strict=True):
+        sensor = by_name[name]
+        turns = sensor.quantity == "angular_velocity"
+        order = {"displacement": 0, "velocity": 1, "angular_velocity": 1, "acceleration": 2}[sensor.quantity]
+        shape = np.abs(model.rows(sensor.position, 1 if turns else 0))
+        size = np.maximum(size, float(np.std(channel)) / (np.maximum(shape, 0.1 * shape.max()) * omega**order))
+    size[model.omega > 2.0 * pi * STOP_EDGE * record.fs] = 0.0
+    return np.concatenate([size, size * omega])
+
+
+RESOLVED = 0.25
+"""Discretisation error, as a share of the noise, that a fit does not see."""
+
+
+def resolved(evaluator: Evaluator, hypothesis: Hypothesis) -> Evaluator:
+    """The evaluator with as many steps per sample as keep the stepping error well below the noise.
+
+    Args:
+        evaluator: with the records to judge on.
+        hypothesis: the model whose steps are halved until nothing changes.
+    """
+    while True:
+        coarse = evaluator.responses(hypothesis)
+        steps = max(response.steps_per_sample for response in coarse)
+        if steps >= MAX_STEPS_PER_SAMPLE:
+            return evaluator
+        finer = Settings(evaluator.settings.n_modes, 2 * steps)
+        error = 0.0
+        for target, one, other in zip(evaluator.targets, coarse, evaluator.responses(hypothesis, finer), strict=True):
+            change = whitened(scored_spectrum(one.channels - other.channels), target)
+            error = max(error, float(np.sqrt(np.mean(change**2))))
+        if error * COARSE_SHARE < RESOLVED:
+            return evaluator
+        evaluator = Evaluator(evaluator.targets, evaluator.jobs, finer)
+
+
+COARSE_SHARE = 4.0 / 3.0
+"""Error of a second-order method over its change when the step is halved."""
+
+
+@dataclass(frozen=True)
+class Horizon:
+    """How long a record can be predicted.
+
+    Attributes:
+        record: name.
+        growth: of a small disturbance over the record, relative to the disturbance.
+        seconds: until which the growth stays below ``PREDICTABLE_GROWTH``.
+    """
+
+    record: str
+    growth: float
+    seconds: float
+
+
+def horizons(evaluator: Evaluator, hypothesis: Hypothesis) -> list[Horizon]:
+    """Divergence of neighbouring motions in every record, by simulating it twice."""
+    disturbed = [replace(t, record=_disturbed(t.record)) for t in evaluator.targets]
+    rows = zip(
+        evaluator.targets,
+        evaluator.responses(hypothesis),
+        evaluator.with_targets(disturbed).responses(hypothesis),
+        strict=True,
+    )
+    return [_horizon(target.record, one.channels, other.channels) for target, one, other in rows]
+
+
+def _disturbed(record: Record) -> Record:
+    if record.excitation is None:
+        return record
+    return replace(record, excitation=record.excitation * (1.0 + DISTURBANCE))
+
+
+def _horizon(record: Record, one: FloatArray, other: FloatArray) -> Horizon:
+    width = max(1, min(int(DIVERGENCE_WINDOW * record.fs), one.shape[1]))
+    n = one.shape[1] // width
+    scale = one.std(axis=1, keepdims=True) + np.finfo(float).tiny
+    apart = ((one - other) / scale)[:, : n * width].reshape(len(one), n, width)
+    growth = np.sqrt(np.mean(apart**2, axis=(0, 2))) / DISTURBANCE
+    beyond = np.flatnonzero(growth > PREDICTABLE_GROWTH)
+    seconds = record.duration if len(beyond) == 0 else max(2, int(beyond[0])) * width / record.fs
+    return Horizon(record.name, float(growth.max()), seconds)
+
+
+def cut_to(evaluator: Evaluator, seconds: float, limits: Sequence[Horizon], most_records: int | None = None) -> Evaluator:
+    """The first part of the records, ``seconds`` in all, none beyond its horizon.
+
+    Args:
+        evaluator: with all records.
+        seconds: of all records together.
+        limits: horizons, in the order of the records.
+        most_records: keep only so many, the loudest, the quietest, and those between.
+    """
+    pairs = sorted(zip(evaluator.targets, limits, strict=True), key=lambda pair: -level(pair[0].record))
+    if most_records is not None and len(pairs) > most_records:
+        chosen = np.unique(np.linspace(0, len(pairs) - 1, most_records).round().astype(int))
+        pairs = [pairs[i] for i in chosen]
+    kept: list[Target] = []
+    left, remaining = seconds, len(pairs)
+    for target, limit in sorted(pairs, key=lambda pair: min(pair[1].seconds, pair[0].record.duration)):
+        share = min(left / remaining, limit.seconds, target.record.duration)
+        kept.append(target.cut(max(MIN_SAMPLES, round(share * target.record.fs))))
+        left, remaining = left - share, remaining - 1
+    return evaluator.with_targets(kept)
+
+
+MIN_SAMPLES = 256
+
+
+def level(record: Record) -> float:
+    """Rms of the excitation, or of the response where there is none."""
+    signal = record.responses if record.excitation is None else record.excitation
+    return float(np.sqrt(np.mean(signal**2)))
