@@ -78,7 +78,8 @@ def record_channels(
     """What a recorder makes of finely sampled motion: low-pass, then every ``factor``-th sample.
 
     Args:
-        fine: (n, M) at factor * fs, M >= (n_samples - 1) factor + 1, the first at the record's first sample.
+        fine: (n, M) at factor * fs, the first at the record's first sample, M >= (n_samples - 1) factor + 1; it is
+            continued from the record's last sample, so that the end does not depend on the factor.
         factor: fine samples per recorded sample.
         n_samples: length of the record.
         fs: rate of the record, Hz.
@@ -88,8 +89,8 @@ def record_channels(
     Returns:
         (n, n_samples).
     """
-    pad = min(PAD, (fine.shape[-1] - 1) // factor) * factor
-    padded = continued(fine, pad)
+    pad = min(PAD, n_samples - 1) * factor
+    padded = continued(fine[..., : (n_samples - 1) * factor + 1], pad)
     n_fast = factor * fft.next_fast_len(-(-padded.shape[-1] // factor), real=True)
     spectrum = fft.rfft(padded, n_fast)[..., : n_fast // factor // 2 + 1]
     freq = np.asarray(np.arange(spectrum.shape[-1]) * (factor * fs / n_fast), np.float64)
