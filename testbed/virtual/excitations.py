@@ -11,6 +11,8 @@ def random_phase_multisine(
 ) -> FloatArray:
     """Periods of a sum of sines of equal amplitude and random phase, one at each line of the period's spectrum.
 
+    It begins where it passes 0 straight, so that a record that starts with it starts without a blow.
+
     Args:
         rng: draws the phases.
         fs: Hz.
@@ -46,6 +48,8 @@ def random_phase_multisine(
     spectrum = np.zeros(len(freq), complex)
     spectrum[lines] = np.exp(2j * np.pi * rng.random(int(lines.sum())))
     wave = np.fft.irfft(spectrum, period)
+    bend = np.roll(wave, 1) - 2.0 * wave + np.roll(wave, -1)
+    wave = np.roll(wave, -int(np.argmin(wave**2 + bend**2)))
     return np.tile(wave * (rms / np.sqrt(np.mean(wave**2))), n_periods)
 
 
