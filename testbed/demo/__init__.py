@@ -1,0 +1,1 @@
+"""The rig and the records that ship with the project, and the command that makes them."""
