@@ -26,7 +26,11 @@ def unknowns_of(hypothesis: Hypothesis, evaluator: Evaluator) -> tuple[Unknown, 
 
 
 def calibrate(
-    evaluator: Evaluator, hypothesis: Hypothesis, unknowns: Sequence[Unknown], windows: Windows = WINDOWS
+    evaluator: Evaluator,
+    hypothesis: Hypothesis,
+    unknowns: Sequence[Unknown],
+    windows: Windows = WINDOWS,
+    tolerance: float = 2e-4,
 ) -> Fit:
     """The fit of the unknowns on ever longer windows, ending with all that the evaluator holds.
 
@@ -35,12 +39,13 @@ def calibrate(
         hypothesis: where to start.
         unknowns: what may move.
         windows: of the first fits.
+        tolerance: relative decrease of the cost that ends the last fit.
     """
     for share, seconds in windows if unknowns else ():
         short = beginning(evaluator, share, seconds)
         if short.n_data < LONGEST_FIRST * evaluator.n_data:
             hypothesis = fit(short, hypothesis, unknowns, tolerance=1e-2, max_iterations=15).hypothesis
-    return fit(evaluator, hypothesis, unknowns)
+    return fit(evaluator, hypothesis, unknowns, tolerance=tolerance)
 
 
 LONGEST_FIRST = 0.6

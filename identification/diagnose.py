@@ -11,7 +11,7 @@ from identification.calibrate import calibrate, strained, unknowns_of
 from identification.evaluate import Evaluator, carry_noise
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, effect_unknowns
-from identification.judge import Ranked, concerning, judge, probabilities, refit, with_evidence
+from identification.judge import Ranked, concerning, judge, probabilities, refit, restarted, with_evidence
 from identification.outcome import added_effects, candidates_of, groups_of, next_experiment, rig_estimates
 from identification.prepare import Horizon, cut_to, horizons, prepare, resolved
 from identification.result import Diagnosis, Score, Stage, Verdict
@@ -189,6 +189,10 @@ def _accept(session: _Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
         session.decide("no effect of the library improves the model")
         return None
     best = ranked[0]
+    if best.fit.ratio > NOISE_REACHED:
+        session.progress(f"{best.effect.label()}: the fit stopped above the noise; trying other starts")
+        found = restarted(session.fitting, base, best.fit)
+        best = with_evidence([replace(best, fit=found, effect=found.hypothesis.effects[-1])])[0]
     scale = max(1.0, best.fit.ratio**2)
     odds = best.log_evidence + 0.5 * base.cost / scale
     share = (base.cost - best.fit.cost) / max(base.cost - base.n_data, 1.0)

@@ -107,17 +107,50 @@ def _best(sketches: Sequence[_Sketch], most: int, per_kind: int) -> list[_Sketch
     return chosen[:most]
 
 
+def restarted(evaluator: Evaluator, base: Fit, found: Fit) -> Fit:
+    """The best of the fit and of fits with its last effect that start from the rig file's numbers again.
+
+    Args:
+        evaluator: records to fit.
+        base: the model without the effect.
+        found: a fit that stopped above the noise, perhaps in a side valley.
+    """
+    best = found
+    effect = found.hypothesis.effects[-1]
+    unknowns = found.unknowns
+    alone = [u for u in unknowns if u not in base.unknowns]
+    for values in ({}, base.hypothesis.values):
+        start = replace(base.hypothesis, values=values).with_effects(effect)
+        window = beginning(evaluator, *SKETCH_WINDOW)
+        try:
+            first = fit(window, start, alone, tolerance=1e-2)
+            again = calibrate(evaluator, first.hypothesis, unknowns)
+        except ArithmeticError:
+            continue
+        best = min(best, again, key=lambda f: f.cost)
+        if best.ratio < CLOSE_ENOUGH:
+            break
+    return best
+
+
+CLOSE_ENOUGH = 1.1
+"""Residual over noise at which no other start is tried."""
+
+
 def refit(evaluator: Evaluator, base: Fit, effect: Effect, values: Mapping[str, float]) -> Fit | None:
     """Everything refitted with one more effect, from the rig's ``values``; None where the model with it diverges."""
     hypothesis = replace(base.hypothesis, values=values).with_effects(effect)
     try:
-        return calibrate(evaluator, hypothesis, _all_unknowns(base, effect), REFIT_WINDOWS)
+        return calibrate(evaluator, hypothesis, _all_unknowns(base, effect), REFIT_WINDOWS, tolerance=REFIT_TOLERANCE)
     except ArithmeticError:
         return None
 
 
 REFIT_WINDOWS = ((0.35, 2.0),)
 """The sketch has seen the beginning."""
+
+REFIT_TOLERANCE = 2e-3
+"""Relative decrease of the cost that ends a refit; the one that wins is polished."""
 
 
 def concerning(base: Fit, evaluator: Evaluator) -> tuple[Unknown, ...]:
@@ -135,20 +168,33 @@ def _all_unknowns(base: Fit, effect: Effect) -> tuple[Unknown, ...]:
 
 
 def _fitted(evaluator: Evaluator, start: Hypothesis, base: Fit, effect: Effect) -> Fit | None:
+    """The effect alone, then everything: the rig's numbers are nearly right, and must not be pulled away first."""
     names = {target.record.name for target in evaluator.targets}
     unknowns = [u for u in _all_unknowns(base, effect) if u.record is None or u.record in names]
+    alone = [u for u in unknowns if isinstance(u, EffectUnknown | PlaceUnknown) and u not in base.unknowns]
     try:
-        return fit(
-            evaluator, start.with_effects(effect), unknowns, max_iterations=SKETCH_ITERATIONS, tolerance=1e-2
-        )
+        sized = _best_size(evaluator, start, effect)
+        first = fit(evaluator, start.with_effects(sized), alone, max_iterations=SKETCH_ITERATIONS, tolerance=2e-2)
+        return fit(evaluator, first.hypothesis, unknowns, max_iterations=SKETCH_ITERATIONS, tolerance=2e-2)
     except ArithmeticError:
         return None
 
 
+def _best_size(evaluator: Evaluator, start: Hypothesis, effect: Effect) -> Effect:
+    """The effect at the size that fits best of a few, since least squares finds only the nearest valley."""
+    sizes = [effect.scaled(factor) for factor in SIZES]
+    rows = evaluator.residuals([(start.with_effects(size), None) for size in sizes])
+    costs = [np.inf if row is None else float(row @ row) for row in rows]
+    return sizes[int(np.argmin(costs))]
+
+
+SIZES = (0.1, 0.2, 0.35, 0.6, 1.0, 1.6, 2.5, 4.0, 8.0)
+"""Factors on a suspect's size tried before it is fitted."""
+
 SKETCH_WINDOW = (0.1, 0.75)
 """Share of the response's energy, and seconds at least, on which suspects are sketched."""
 
-SKETCH_ITERATIONS = 8
+SKETCH_ITERATIONS = 6
 
 LEAST_REFITS = 3
 
