@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from models.arrays import FloatArray
-from testbed.figures.report_style import COLOURS
+from testbed.figures.report_style import COLOURS, literal
 
 
 def plot_pulls(ax: Axes, labels: Sequence[str], pulls: FloatArray, stds: FloatArray) -> None:
@@ -23,7 +23,7 @@ def plot_pulls(ax: Axes, labels: Sequence[str], pulls: FloatArray, stds: FloatAr
         ax.axvspan(-width, width, color=shade, linewidth=0.0, zorder=0)
     ax.axvline(0.0, color="#999999", linewidth=0.8)
     ax.errorbar(pulls, place, xerr=stds, fmt="o", markersize=4.5, color=COLOURS["calibrated"], elinewidth=1.1)
-    ax.set_yticks(place, list(labels))
+    ax.set_yticks(place, [literal(label) for label in labels])
     ax.set_ylim(len(labels) - 0.4, -0.6)
     reach = max(2.6, 1.15 * float(np.max(np.abs(pulls) + stds, initial=0.0)))
     ax.set_xlim(-reach, reach)

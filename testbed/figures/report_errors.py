@@ -7,7 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from models.arrays import FloatArray
-from testbed.figures.report_style import MEASURED, NOISE
+from testbed.figures.report_style import MEASURED, NOISE, literal
+
+TWO_DIGITS = 9.95
+"""Per cent from which no decimal is shown."""
 
 
 def plot_error_steps(ax: Axes, labels: Sequence[str], errors: FloatArray, noise: float, colours: Sequence[str]) -> None:
@@ -21,17 +24,25 @@ def plot_error_steps(ax: Axes, labels: Sequence[str], errors: FloatArray, noise:
         colours: of the models.
     """
     place = np.arange(len(labels))
-    percent = 100.0 * np.asarray(errors)
-    ax.step(place, percent, where="mid", color="#bbbbbb", linewidth=1.0, zorder=1)
-    ax.scatter(place, percent, s=46, c=list(colours), zorder=3, label="records learned from")
-    for x, y in zip(place, percent, strict=True):
-        ax.annotate(f"{y:.3g} %", (x, y), (0, 7), textcoords="offset points", ha="center", va="bottom", fontsize=8.5)
+    values = 100.0 * np.asarray(errors)
+    ax.step(place, values, where="mid", color="#bbbbbb", linewidth=1.0, zorder=1)
+    ax.scatter(place, values, s=46, c=list(colours), zorder=3, label="records learned from")
+    for x, y in zip(place, values, strict=True):
+        ax.annotate(
+            f"{y:.0f} %" if y >= TWO_DIGITS else f"{y:#.2g} %",
+            (x, y),
+            (0, 7),
+            textcoords="offset points",
+            ha="center",
+            va="bottom",
+            fontsize=8.5,
+        )
     ax.axhline(100.0 * noise, color=NOISE, linewidth=1.0, linestyle="--", zorder=1)
     ax.annotate(
-        f"noise floor {100.0 * noise:.2g} %", (1.0, 100.0 * noise), (0, -3), xycoords=("axes fraction", "data"),
-        textcoords="offset points", ha="right", va="top", fontsize=8.5, color="#666666",
+        f"noise floor {100.0 * noise:.2g} %", (0.0, 100.0 * noise), (4, -3), xycoords=("axes fraction", "data"),
+        textcoords="offset points", ha="left", va="top", fontsize=8.5, color="#666666",
     )  # fmt: skip
-    ax.set_xticks(place, list(labels))
+    ax.set_xticks(place, [literal(label) for label in labels])
     ax.set_xlim(-0.6, len(labels) - 0.4)
     _percent_axis(ax)
 
@@ -45,13 +56,21 @@ def plot_holdout(ax: Axes, place: Sequence[int], errors: FloatArray, noise: floa
         errors: NRMSE of each.
         noise: NRMSE of a perfect model on these records.
     """
-    x, percent = np.asarray(place) + 0.18, 100.0 * np.asarray(errors)
+    x, values = np.asarray(place) + 0.18, 100.0 * np.asarray(errors)
     ax.scatter(
-        x, percent, s=40, marker="D", facecolors="none", edgecolors=MEASURED, linewidths=1.0, zorder=3,
+        x, values, s=40, marker="D", facecolors="none", edgecolors=MEASURED, linewidths=1.0, zorder=3,
         label=f"records kept aside (noise {100.0 * noise:.2g} %)",
     )  # fmt: skip
-    for at, y in zip(x, percent, strict=True):
-        ax.annotate(f"{y:.3g} %", (at, y), (8, 0), textcoords="offset points", ha="left", va="center", fontsize=8)
+    for at, y in zip(x, values, strict=True):
+        ax.annotate(
+            f"{y:.0f} %" if y >= TWO_DIGITS else f"{y:#.2g} %",
+            (at, y),
+            (8, 0),
+            textcoords="offset points",
+            ha="left",
+            va="center",
+            fontsize=8,
+        )
 
 
 def _percent_axis(ax: Axes) -> None:

@@ -3,14 +3,19 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection
+from matplotlib.ticker import MaxNLocator
 
 from models.arrays import FloatArray
 
-DOT = {"s": 2.0, "linewidths": 0.0, "alpha": 0.55, "cmap": "viridis", "rasterized": True}
-
 
 def plot_force_over(
-    ax: Axes, motion: FloatArray, force: FloatArray, time: FloatArray, label: str, wall: tuple[float, float] | None
+    ax: Axes,
+    motion: FloatArray,
+    force: FloatArray,
+    time: FloatArray,
+    *,
+    label: str,
+    walls: tuple[float, ...] = (),
 ) -> PathCollection:
     """Force against displacement or velocity, coloured by time, so that a drift shows.
 
@@ -20,14 +25,15 @@ def plot_force_over(
         force: (n,) N.
         time: (n,) s.
         label: of the horizontal axis.
-        wall: where the sleeve's walls are, in the unit of the motion, or None.
+        walls: where the sleeve's walls are, in the unit of the motion.
     """
-    dots = ax.scatter(motion, force, c=time, **DOT)
+    dots = ax.scatter(motion, force, s=2.0, c=time, cmap="viridis", linewidths=0.0, alpha=0.55)
     span = float(np.ptp(motion))
-    for side in wall or ():
+    for side in walls:
         if motion.min() - 0.2 * span < side < motion.max() + 0.2 * span:
             ax.axvline(side, color="#555555", linewidth=0.8, linestyle=":")
     ax.axhline(0.0, color="#bbbbbb", linewidth=0.6, zorder=0)
+    ax.xaxis.set_major_locator(MaxNLocator(5))
     ax.set_xlabel(label)
     return dots
 
@@ -40,7 +46,7 @@ def plot_force_in_time(ax: Axes, time: FloatArray, force: FloatArray) -> None:
         time: (N,) s.
         force: (N,) N.
     """
-    ax.plot(time, force, color="#555555", linewidth=0.4, rasterized=True)
+    ax.plot(time, force, color="#555555", linewidth=0.4)
     ax.axhline(0.0, color="#bbbbbb", linewidth=0.6, zorder=0)
     ax.set_xlim(float(time[0]), float(time[-1]))
     ax.set_xlabel("time [s]")

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from models.arrays import ComplexArray, FloatArray
-from testbed.figures.report_style import MEASURED
+from testbed.figures.report_style import MEASURED, literal
 
 
 class Curve(NamedTuple):
@@ -28,10 +28,10 @@ def plot_frfs(ax: Axes, frequency: FloatArray, measured: ComplexArray, models: S
         models: predicted on the same lines, in the order of drawing.
         title: sensor and unit.
     """
-    ax.semilogy(frequency, np.abs(measured), color=MEASURED, linewidth=1.3, label="measured")
+    ax.semilogy(frequency, np.abs(measured), color=MEASURED, linewidth=2.0, label="measured")
     for curve in models:
-        ax.semilogy(frequency, np.abs(curve.values), color=curve.colour, linewidth=0.9, label=curve.label)
-    ax.set_title(title, loc="left")
+        ax.semilogy(frequency, np.abs(curve.values), color=curve.colour, linewidth=0.9, label=literal(curve.label))
+    ax.set_title(literal(title), loc="left")
     ax.grid(visible=True)
     ax.tick_params(labelbottom=False)
 

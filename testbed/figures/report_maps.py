@@ -8,6 +8,7 @@ from matplotlib.collections import QuadMesh
 from matplotlib.colors import LogNorm
 
 from models.arrays import FloatArray
+from testbed.figures.report_style import literal
 
 CMAP = "YlOrRd"
 AT_NOISE = "#e9edf1"
@@ -18,7 +19,7 @@ TICKS = 7
 
 
 def plot_frequency_map(
-    ax: Axes, frequency: FloatArray, sensors: Sequence[str], error: FloatArray, noise: FloatArray, norm: LogNorm
+    ax: Axes, frequency: FloatArray, sensors: Sequence[str], *, error: FloatArray, noise: FloatArray, norm: LogNorm
 ) -> QuadMesh:
     """Error in each band of each sensor; what is within ``NOISE_MARGIN`` of the noise is left pale.
 
@@ -49,7 +50,7 @@ def plot_time_map(ax: Axes, time: FloatArray, sensors: Sequence[str], error: Flo
     """
     mesh = _mesh(ax, np.ma.masked_array(error), sensors, norm)
     shown = np.unique(np.linspace(0, len(time) - 1, min(TICKS, len(time))).round().astype(int))
-    ax.set_xticks(shown + 0.5, [f"{time[i]:.3g}" for i in shown])
+    ax.set_xticks(shown + 0.5, [f"{time[i]:.1f}" for i in shown])
     ax.set_xlabel("time [s]")
     return mesh
 
@@ -59,7 +60,7 @@ def _mesh(ax: Axes, error: "np.ma.MaskedArray", sensors: Sequence[str], norm: Lo
     mesh = ax.pcolormesh(
         np.ma.clip(error, norm.vmin, norm.vmax), cmap=CMAP, norm=norm, edgecolors="white", linewidth=0.3
     )
-    ax.set_yticks(np.arange(len(sensors)) + 0.5, list(sensors))
+    ax.set_yticks(np.arange(len(sensors)) + 0.5, [literal(name) for name in sensors])
     ax.set_ylim(len(sensors), 0)
     ax.tick_params(length=2)
     return mesh

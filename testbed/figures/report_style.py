@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from typing import Any
 
 import matplotlib as mpl
 
@@ -9,7 +10,7 @@ MEASURED, NOISE = "#000000", "#8a8a8a"
 COLOURS: Mapping[str, str] = {"given": "#9a9a9a", "calibrated": "#2b6cb0", "updated": "#d1491b"}
 """Colour of each stage of the model; measurements are black."""
 
-SETTINGS: Mapping[str, object] = {
+SETTINGS: dict[Any, Any] = {
     "font.family": "sans-serif",
     "font.size": 9.0,
     "axes.titlesize": 9.0,
@@ -35,5 +36,14 @@ SETTINGS: Mapping[str, object] = {
 @contextmanager
 def report_style() -> Iterator[None]:
     """Draw and save figures inside this context."""
-    with mpl.rc_context(dict(SETTINGS)):
+    with mpl.rc_context(SETTINGS):
         yield
+
+
+def literal(text: str) -> str:
+    """A name as it is, where matplotlib would take a dollar sign for the start of a formula.
+
+    Args:
+        text: of a label.
+    """
+    return text.replace("$", r"\$")

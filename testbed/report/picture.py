@@ -1,0 +1,43 @@
+"""A drawn figure as a part of a page: no file, no link."""
+
+from base64 import b64encode
+from dataclasses import dataclass
+from io import BytesIO
+from typing import Literal
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+DPI = 150
+
+
+@dataclass(frozen=True)
+class Picture:
+    """An image that carries its own data.
+
+    Attributes:
+        source: data URI.
+        alt: what it shows, for those who do not see it.
+        caption: below it.
+    """
+
+    source: str
+    alt: str
+    caption: str
+
+
+def picture(figure: Figure, alt: str, caption: str, form: Literal["svg", "png"] = "png") -> Picture:
+    """A figure as a picture.
+
+    Args:
+        figure: drawn.
+        alt: what it shows.
+        caption: below it.
+        form: lines few enough for ``svg``, or pixels.
+    """
+    FigureCanvasAgg(figure)
+    target = BytesIO()
+    metadata = {"Date": None} if form == "svg" else None
+    figure.savefig(target, format=form, dpi=DPI, metadata=metadata)
+    kind = "image/svg+xml" if form == "svg" else "image/png"
+    return Picture(f"data:{kind};base64,{b64encode(target.getvalue()).decode('ascii')}", alt, caption)

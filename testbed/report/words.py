@@ -1,0 +1,126 @@
+"""Numbers and verdicts as a person reads them."""
+
+from math import floor, isfinite, log10
+
+import numpy as np
+
+from identification.result import Diagnosis, Estimate, Stage
+
+COUNTS = ("no effect", "one effect", "two effects", "three effects", "four effects", "five effects")
+
+
+def percent(share: float) -> str:
+    """A share with two digits: ``24 %``, ``5.0 %``, ``0.71 %``.
+
+    Args:
+        share: 1 is 100 %.
+    """
+    return f"{100.0 * share:.0f} %" if abs(share) >= TWO_DIGITS else f"{100.0 * share:#.2g} %"
+
+
+TWO_DIGITS = 0.0995
+
+
+def chance(probability: float) -> str:
+    """A probability, certain only where it is.
+
+    Args:
+        probability: from 0 to 1.
+    """
+    if LEAST_CHANCE <= probability <= MOST_CHANCE:
+        return percent(probability)
+    return f"< {100.0 * LEAST_CHANCE:g} %" if probability < LEAST_CHANCE else f"> {100.0 * MOST_CHANCE:g} %"
+
+
+LEAST_CHANCE, MOST_CHANCE = 1e-4, 0.999
+
+
+def number(value: float) -> str:
+    """Four digits, with a power of ten where it is long: ``80``, ``0.00015``, ``2.1e11``.
+
+    Args:
+        value: in any unit.
+    """
+    mantissa, _, power = f"{value:.4g}".partition("e")
+    return f"{mantissa}e{int(power)}" if power else mantissa
+
+
+def with_std(estimate: Estimate) -> str:
+    """Value and standard deviation to two digits of the latter, with the unit: ``18.5 ± 0.4 N s/m``.
+
+    Args:
+        estimate: one number or several.
+    """
+    unit = "" if estimate.unit in ("", "-") else f" {estimate.unit}"
+    values, stds = np.atleast_1d(estimate.value), np.atleast_1d(estimate.std)
+    shown = [_rounded(float(v), float(s)) for v, s in zip(values, stds, strict=True)]
+    return f"({', '.join(shown)}){unit}" if isinstance(estimate.value, tuple) else f"{shown[0]}{unit}"
+
+
+def _rounded(value: float, std: float) -> str:
+    if not isfinite(std) or std <= 0.0:
+        return number(value)
+    power = floor(log10(std)) - 1
+    largest = floor(log10(max(abs(value), std)))
+    if largest >= SHORTEST_POWER or largest < -SMALLEST_POWER:
+        digits = max(0, min(largest - power, MOST_DIGITS))
+        return f"({value / 10.0**largest:.{digits}f} ± {std / 10.0**largest:.{digits}f})e{largest}"
+    decimals = min(max(0, -power), MOST_DIGITS)
+    return f"{value:.{decimals}f} ± {std:.{decimals}f}"
+
+
+SHORTEST_POWER, SMALLEST_POWER, MOST_DIGITS = 5, 3, 8
+"""Numbers from 1e5 on and below 1e-3 are written with a power of ten; none with more than eight decimals."""
+
+
+def stage_kind(diagnosis: Diagnosis, stage: Stage) -> str:
+    """``given``, ``calibrated`` or ``updated``, the key of its colour."""
+    if stage is diagnosis.stages[0]:
+        return "given"
+    return "updated" if stage.hypothesis.effects else "calibrated"
+
+
+def headline(diagnosis: Diagnosis) -> str:
+    """The verdict in one plain sentence."""
+    first, last = diagnosis.stages[0].score, diagnosis.final.score
+    fall = f"the error falls from {percent(first.nrmse)} to {percent(last.nrmse)}"
+    floor_is = f"the noise alone leaves {percent(last.noise_nrmse)}"
+    if diagnosis.verdict == "missing_effect":
+        named = " and ".join(added.effect.label() for added in diagnosis.added)
+        count = COUNTS[len(diagnosis.added)] if len(diagnosis.added) < len(COUNTS) else "several effects"
+        return f"The given model lacks {count}, {named}: with it {fall}, and {floor_is}."
+    if diagnosis.verdict == "complete":
+        return f"These records show nothing missing: calibrated within its tolerances, {fall}, and {floor_is}."
+    return (
+        f"Something is missing that no effect of the library explains: the best model still errs by "
+        f"{percent(last.nrmse)} (as given {percent(first.nrmse)}), while {floor_is}."
+    )
+
+
+def second_line(diagnosis: Diagnosis) -> str:
+    """What the records kept aside say, and where an unexplained force acts."""
+    parts: list[str] = []
+    if "updated" in diagnosis.holdout:
+        held = diagnosis.holdout["updated"]
+        before = (
+            f" instead of {percent(diagnosis.holdout['as given'].nrmse)}" if "as given" in diagnosis.holdout else ""
+        )
+        parts.append(
+            f"On records kept aside it errs by {percent(held.nrmse)}{before} (noise {percent(held.noise_nrmse)})."
+        )
+    else:
+        parts.append("No record was kept aside, so nothing here was tested on data the fit has not seen.")
+    if diagnosis.verdict == "unexplained" and diagnosis.missing_forces:
+        most = max(diagnosis.missing_forces, key=lambda force: float(force.force.std()))
+        size = number(float(most.force.std()))
+        parts.append(f"The unexplained force is largest {at(most.place)}: {size} N rms in {most.record}.")
+    return " ".join(parts)
+
+
+def at(place: str) -> str:
+    """Where a missing force acts, in words.
+
+    Args:
+        place: of a ``MissingForce``.
+    """
+    return "at the mass" if place == "mass" else f"at {place}"

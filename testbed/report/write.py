@@ -1,0 +1,100 @@
+"""``report.html``: the diagnosis as one page without links to anything outside itself."""
+
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from identification.result import Diagnosis
+from models.rig import Rig
+from testbed.figures.report_style import report_style
+from testbed.report.figures import (
+    error_steps,
+    force_pictures,
+    frf_pictures,
+    map_pictures,
+    pulls_picture,
+    shown_records,
+)
+from testbed.report.provenance import Provenance
+from testbed.report.rows import (
+    CANDIDATES,
+    candidate_rows,
+    channel_rows,
+    default_rows,
+    effect_rows,
+    group_rows,
+    record_rows,
+    rig_pulls,
+    stage_rows,
+)
+from testbed.report.words import headline, second_line
+
+FILE = "report.html"
+TITLES = {"missing_effect": "Missing effect found", "complete": "Model complete", "unexplained": "Unexplained"}
+
+
+def write_report(diagnosis: Diagnosis, rig: Rig, out_dir: Path, provenance: Provenance) -> Path:
+    """Write the report of a diagnosis.
+
+    Args:
+        diagnosis: finished.
+        rig: as its owner describes it.
+        out_dir: folder of ``report.html``, made if it does not exist.
+        provenance: where the numbers come from.
+
+    Returns:
+        the file.
+
+    Raises:
+        OSError: the folder cannot be written.
+    """
+    environment = Environment(
+        loader=PackageLoader("testbed.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    with report_style():
+        page = environment.get_template("report.html.j2").render(_content(diagnosis, rig, provenance))
+    out_dir.mkdir(parents=True, exist_ok=True)
+    path = out_dir / FILE
+    path.write_text(page, encoding="utf-8")
+    return path
+
+
+def _content(diagnosis: Diagnosis, rig: Rig, provenance: Provenance) -> dict[str, Any]:
+    pulls = rig_pulls(diagnosis.rig_estimates, rig)
+    candidates = candidate_rows(diagnosis)
+    shown, learned = shown_records(diagnosis), diagnosis.final.score.records
+    return {
+        "verdict": diagnosis.verdict,
+        "verdict_title": TITLES[diagnosis.verdict],
+        "headline": headline(diagnosis),
+        "second_line": second_line(diagnosis),
+        "error_steps": error_steps(diagnosis),
+        "stages": stage_rows(diagnosis),
+        "has_holdout": bool(diagnosis.holdout),
+        "effects": effect_rows(diagnosis),
+        "pulls": pulls.rows,
+        "pulls_picture": pulls_picture(pulls) if pulls.rows else None,
+        "candidates": candidates[:CANDIDATES],
+        "more_candidates": candidates[CANDIDATES:],
+        "groups": group_rows(diagnosis),
+        "frfs": frf_pictures(diagnosis, rig),
+        "maps": map_pictures(diagnosis, rig),
+        "forces": force_pictures(diagnosis, rig),
+        "records": record_rows(diagnosis, rig),
+        "channels": channel_rows(diagnosis),
+        "not_shown": [row.record.name for row in learned if row.record.name not in shown],
+        "next_experiment": [(key, _plain(value)) for key, value in diagnosis.next_experiment.items()],
+        "decisions": diagnosis.decisions,
+        "findings": diagnosis.findings,
+        "provenance": provenance,
+        "defaults": default_rows(diagnosis, rig),
+    }
+
+
+def _plain(value: str | float) -> str:
+    return value if isinstance(value, str) else f"{value:.4g}"
