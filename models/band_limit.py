@@ -63,7 +63,7 @@ def raise_rate(signal: FloatArray, factor: int, *, derivative: int = 0, for_line
     n_fast = fft.next_fast_len(n_coarse, real=True)
     spectrum = fft.rfft(padded, n_fast)
     cycles = np.arange(spectrum.shape[-1]) / n_fast
-    if n_fast % 2 == 0:
+    if n_fast % 2 == 0 and factor > 1:
         spectrum[..., -1] *= 0.5
     weight = (2j * np.pi * cycles) ** derivative if derivative else np.ones_like(cycles)
     if for_linear_hold:

@@ -101,6 +101,4 @@ def _integrated(rows: list[FloatArray], h: float) -> FloatArray:
 
 def _for_linear_hold(signal: FloatArray) -> FloatArray:
     """(M,) the samples whose straight connections have the integrals of the signal, to fourth order of the step."""
-    held = signal.copy()
-    held[1:-1] -= np.diff(signal, 2) / 12.0
-    return held
+    return signal - np.pad(np.diff(signal, 2), 1, mode="edge") / 12.0

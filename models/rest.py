@@ -82,7 +82,7 @@ def contact_force(contact: Contact, q: float, v: float = 0.0) -> float:
     u = q - contact.offset
     side = 1.0 if u >= 0 else -1.0
     penetration = abs(u) - contact.clearance
-    if penetration <= 0:
+    if penetration <= 0 and not is_bilateral(contact):
         return 0.0
     normal = contact.law.normal_force(0.0, penetration, side * v, 0.0, contact.law.values)
     return -side * (normal if is_bilateral(contact) else max(0.0, normal))

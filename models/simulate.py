@@ -13,11 +13,11 @@ from models.errors import DivergenceError, InputError
 from models.modal import ModalModel, build_modal
 from models.plant import Plant
 from models.ports import Port
-from models.propagator import Blocks, Step, exact_step, to_blocks
+from models.propagator import Blocks
 from models.record import Record
-from models.rest import is_bilateral
 from models.rig import Sensor
-from models.stepping import Items, Linear, march
+from models.step_tables import items_of, linear_of
+from models.stepping import march
 
 STEP_RATE = 8192.0
 """Steps per second at least; the reference rig then is within 0.1 % of the converged solution (docs/theory.md)."""
@@ -170,16 +170,6 @@ def _sensors_of(plant: Plant, record: Record) -> tuple[Sensor, ...]:
     return tuple(by_name[name] for name in record.sensors)
 
 
-def _system(model: ModalModel, h: float) -> tuple[Blocks, Step]:
-    """Blocks and step of the model; inputs are the ports, then a force at the excitation, then the base."""
-    excitation = model.plant.excitation
-    place = excitation.position if excitation is not None and excitation.position is not None else None
-    force = model.rows(place)
-    inputs = np.column_stack([*model.port_rows, force, -model.carried])
-    system = to_blocks(model.omega, model.damping, inputs)
-    return system, exact_step(system, h)
-
-
 def _output_rows(model: ModalModel, system: Blocks, sensors: tuple[Sensor, ...]) -> FloatArray:
     """(n_sensors, 2n) velocity for accelerations and velocities, slope rate for gyroscopes, displacement."""
     rows = np.empty((len(sensors), len(system.from_modal)))
@@ -207,39 +197,20 @@ def _march(  # noqa: PLR0917
     keep_trace: bool,  # noqa: FBT001
 ) -> tuple[FloatArray, Trace | None]:
     """(n_sensors, M) motion read out at every step, and the trace."""
-    n_ports, n_steps = len(model.ports), record.n_samples * factor - 1
-    system, step = _system(model, 1.0 / (factor * record.fs))
-    inputs, columns = _known_inputs(drive, n_ports)
-    items = _items_of(model)
-    linear = Linear(
-        exponential=step.exponential,
-        in_start=step.start[columns],
-        in_end=step.end[columns],
-        port_start=step.start[:n_ports],
-        port_end=step.end[:n_ports],
-        q_rows=system.displacement(model.port_rows),
-        v_rows=system.velocity(model.port_rows),
-        q_rest=model.rest.position,
-        absolute=np.array([1.0 if port.frame == "ground" else 0.0 for port in model.ports]),
-        h=1.0 / (factor * record.fs),
-    )
+    h, n_steps = 1.0 / (factor * record.fs), record.n_samples * factor - 1
+    system, linear, inputs = linear_of(model, drive, h)
+    items = items_of(model)
     out = np.empty((len(sensors), n_steps + 1))
-    trace = np.empty((n_steps + 1 if keep_trace else 0, 2 * n_ports + len(items.port)))
+    trace = np.empty((n_steps + 1 if keep_trace else 0, 2 * len(model.ports) + len(items.port)))
     state = np.zeros(len(system.from_modal)) if start is None else system.from_modal @ start
     rows = _output_rows(model, system, sensors)
     done = march(linear, items, inputs, drive.base_motion, state, rows, out, trace, tolerance)
     if done < n_steps:
         raise DivergenceError(
-            f"{record.name}: the motion grew without bound {done / (factor * record.fs):.4f} s after the start; "
+            f"{record.name}: the motion grew without bound {done * h:.4f} s after the start; "
             "a passive structure stays finite; look for a negative stiffness or damping among the effects"
         )
     return out, _trace_of(model, trace, factor * record.fs) if keep_trace else None
-
-
-def _known_inputs(drive: Drive, n_ports: int) -> tuple[FloatArray, list[int]]:
-    rows = [(n_ports, drive.force), (n_ports + 1, drive.base)]
-    present = [(column, signal) for column, signal in rows if signal is not None]
-    return np.stack([signal for _, signal in present]), [column for column, _ in present]
 
 
 def _trace_of(model: ModalModel, trace: FloatArray, fs: float) -> Trace:
@@ -247,26 +218,3 @@ def _trace_of(model: ModalModel, trace: FloatArray, fs: float) -> Trace:
     rows = trace.T
     forces = rows[2 * n_ports :]
     return Trace(fs, model.ports, rows[:n_ports], rows[n_ports : 2 * n_ports], forces[:n_laws], forces[n_laws:])
-
-
-def _items_of(model: ModalModel) -> Items:
-    """Point laws, then contacts, as the stepper takes them."""
-    from models.law import law_address
-
-    laws, contacts = model.plant.laws, model.plant.contacts
-    index = {port: i for i, port in enumerate(model.ports)}
-    numbers = [law.parameters for law in laws] + [contact.law.values for contact in contacts]
-    forces = [law.force for law in laws] + [contact.law.normal_force for contact in contacts]
-    rates = [law_address(law.rate) if law.rate is not None else 0 for law in laws] + [0] * len(contacts)
-    gaps = [(0.0,) * 4 for _ in laws]
-    gaps += [(c.clearance, c.offset, c.clearance_rate, float(is_bilateral(c))) for c in contacts]
-    return Items(
-        port=np.array([index[law.port] for law in laws] + [index[Port(c.position)] for c in contacts], np.int64),
-        law=np.array([law_address(force) for force in forces], np.int64),
-        rate=np.array(rates, np.int64),
-        values=np.array([number for row in numbers for number in row], float),
-        offset=np.cumsum([0, *(len(row) for row in numbers)])[:-1].astype(np.int64),
-        contact=np.array(gaps, float).reshape(-1, 4),
-        is_contact=np.array([0] * len(laws) + [1] * len(contacts), np.int64),
-        rest_force=np.concatenate([model.rest.law_forces, model.rest.contact_forces]),
-    )

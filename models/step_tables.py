@@ -1,0 +1,59 @@
+"""A modal model as the compiled stepper takes it: the tables of one step, and of the laws and contacts."""
+
+import numpy as np
+
+from models.arrays import FloatArray
+from models.drive import Drive
+from models.law import law_address
+from models.modal import ModalModel
+from models.ports import Port
+from models.propagator import Blocks, exact_step, to_blocks
+from models.rest import is_bilateral
+from models.stepping import Items, Linear
+
+
+def linear_of(model: ModalModel, drive: Drive, h: float) -> tuple[Blocks, Linear, FloatArray]:
+    """The linear system, a step of it as the stepper takes it, and the (n_in, M) known inputs."""
+    n_ports = len(model.ports)
+    excitation = model.plant.excitation
+    place = excitation.position if excitation is not None and excitation.position is not None else None
+    inputs = np.column_stack([*model.port_rows, model.rows(place), -model.carried])
+    system = to_blocks(model.omega, model.damping, inputs)
+    step = exact_step(system, h)
+    given = [(n_ports, drive.force), (n_ports + 1, drive.base)]
+    known = [(column, signal) for column, signal in given if signal is not None]
+    columns = [column for column, _ in known]
+    linear = Linear(
+        exponential=step.exponential,
+        in_start=step.start[columns],
+        in_end=step.end[columns],
+        port_start=step.start[:n_ports],
+        port_end=step.end[:n_ports],
+        q_rows=system.displacement(model.port_rows),
+        v_rows=system.velocity(model.port_rows),
+        q_rest=model.rest.position,
+        absolute=np.array([1.0 if port.frame == "ground" else 0.0 for port in model.ports]),
+        h=h,
+    )
+    return system, linear, np.stack([signal for _, signal in known])
+
+
+def items_of(model: ModalModel) -> Items:
+    """Point laws, then contacts, as the stepper takes them."""
+    laws, contacts = model.plant.laws, model.plant.contacts
+    index = {port: i for i, port in enumerate(model.ports)}
+    numbers = [law.parameters for law in laws] + [contact.law.values for contact in contacts]
+    forces = [law.force for law in laws] + [contact.law.normal_force for contact in contacts]
+    rates = [law_address(law.rate) if law.rate is not None else 0 for law in laws] + [0] * len(contacts)
+    gaps = [(0.0,) * 4 for _ in laws]
+    gaps += [(c.clearance, c.offset, c.clearance_rate, float(is_bilateral(c))) for c in contacts]
+    return Items(
+        port=np.array([index[law.port] for law in laws] + [index[Port(c.position)] for c in contacts], np.int64),
+        law=np.array([law_address(force) for force in forces], np.int64),
+        rate=np.array(rates, np.int64),
+        values=np.array([number for row in numbers for number in row], float),
+        offset=np.cumsum([0, *(len(row) for row in numbers)])[:-1].astype(np.int64),
+        contact=np.array(gaps, float).reshape(-1, 4),
+        is_contact=np.array([0] * len(laws) + [1] * len(contacts), np.int64),
+        rest_force=np.concatenate([model.rest.law_forces, model.rest.contact_forces]),
+    )

@@ -1,0 +1,232 @@
+"""The compiled stepper: the linear part exact, contacts and laws of second order, and energy where it belongs."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from model_scenes import REFERENCE, burst, multisine, nrmse, record_of, rig_with, sleeve
+
+from models.band_limit import STOP_EDGE
+from models.drive import STILL, Drive
+from models.effects import EFFECTS, Place
+from models.modal import build_modal
+from models.plant import build_plant
+from models.ports import PointLaw, Port
+from models.rig import Excitation, Oscillator, Rig
+from models.simulate import Settings, simulate
+from models.step_tables import items_of, linear_of
+from models.stepping import CHUNK, crossing, internal_state, march, part_step
+
+FS, N = 1024.0, 512
+LAST = Place(position=1.0)
+ON_SLEEVE = Place(sleeve="at 1.0", position=1.0)
+
+
+def beam(*effects, **changes):
+    """The reference beam on sleeves of one kind."""
+    return build_plant(rig_with(sleeve(0.45, **changes), sleeve(1.0, **changes)), extra=effects)
+
+
+def free_beam(*effects):
+    return build_plant(rig_with(), extra=effects)
+
+
+def moved(plant, seconds, steps_per_second, velocity):
+    """(time, q, v, port q, port forces, model) of a free motion from the modal velocities given."""
+    model = build_modal(plant, STOP_EDGE * 2048.0)
+    h, n = 1.0 / steps_per_second, int(seconds * steps_per_second)
+    system, linear, inputs = linear_of(model, Drive(np.zeros(n), None, STILL, None), h)
+    start = np.zeros(2 * model.n)
+    start[model.n : model.n + len(velocity)] = velocity
+    items, n_ports = items_of(model), len(model.ports)
+    out, trace = np.empty((2 * model.n, n)), np.empty((n, 2 * n_ports + len(items.port)))
+    done = march(linear, items, inputs, STILL, system.from_modal @ start, system.to_modal, out, trace, 1e-9)
+    assert done == n - 1
+    q, v = np.split(out, 2)
+    return np.arange(n) * h, q, v, trace[:, :n_ports].T, trace[:, 2 * n_ports :].T, model
+
+
+def energy_of(plant, q, v, port_q, model):
+    """Of a beam with elastic contacts: kinetic, bending, weight and contact, from the state at rest."""
+    total = 0.5 * np.sum(v**2, axis=0) + 0.5 * np.sum((model.omega[:, None] * q) ** 2, axis=0)
+    for i, contact in enumerate(plant.contacts):
+        row = port_q[model.ports.index(Port(contact.position))]
+        depth = np.maximum(np.abs(row - contact.offset) - contact.clearance, 0.0)
+        held = np.maximum(model.rest.penetration[i], 0.0)
+        total = total + 0.5 * contact.law.stiffness * (depth**2 - held**2)
+        total = total + model.rest.contact_forces[i] * (
+            row - model.rest.position[model.ports.index(Port(contact.position))]
+        )
+    return total
+
+
+SECOND_ORDER = {
+    "Kelvin-Voigt": beam,
+    "a strong dashpot": lambda: beam(damping=400.0),
+    "a spring alone": lambda: beam(damping=0.0),
+    "Hunt-Crossley": lambda: beam(law="hunt_crossley", damping=5.0),
+    "a bilateral sleeve": lambda: beam(clearance=0.0),
+    "squeeze film": lambda: beam(EFFECTS["squeeze_film"](ON_SLEEVE, damping=18.0)),
+    "Coulomb": lambda: free_beam(EFFECTS["coulomb_friction"](LAST, 3.0, 1e-2)),
+    "Bouc-Wen": lambda: free_beam(EFFECTS["bouc_wen"](LAST, force=5.0, yield_displacement=5e-4, exponent=2.0)),
+    "cubic": lambda: free_beam(EFFECTS["cubic_stiffness"](LAST, 1e9)),
+}
+
+
+@pytest.mark.parametrize("case", SECOND_ORDER)
+def test_the_observed_order_is_two(case):
+    plant = SECOND_ORDER[case]()
+    record = record_of(plant, multisine(FS, N, 3.0, 150.0, 30.0, seed=3), FS)
+    exact = simulate(plant, record, Settings(8, 512)).channels
+    steps = [8, 16, 32, 64]
+    error = [nrmse(simulate(plant, record, Settings(8, r)).channels, exact) for r in steps]
+    slope = -np.polyfit(np.log2(steps), np.log2(error), 1)[0]
+    assert slope > 1.9
+    assert error[-1] < 2e-4
+
+
+@pytest.mark.parametrize("h", [1e-4, 1e-3, 0.02])
+def test_the_linear_part_is_exact_for_any_step(h):
+    """A constant force on a damped oscillator from rest, against the textbook's step response."""
+    rig = Rig(structure=Oscillator(kind="oscillator", mass=3.0, stiffness=1200.0, damping=6.0), excitation=Excitation())
+    model, n = build_modal(build_plant(rig), 100.0), int(1.0 / h) + 1
+    system, linear, inputs = linear_of(model, Drive(np.full(n, 12.0), None, STILL, None), h)
+    out, rows = np.empty((1, n)), system.displacement(model.rows(None)[None])
+    march(linear, items_of(model), inputs, STILL, np.zeros(len(system.from_modal)), rows, out, np.empty((0, 0)), 1e-9)
+    time, sigma, omega = np.arange(n) * h, 1.0, np.sqrt(400.0 - 1.0)
+    expected = 0.01 * (1.0 - np.exp(-sigma * time) * (np.cos(omega * time) + sigma / omega * np.sin(omega * time)))
+    np.testing.assert_allclose(out[0], expected, atol=1e-14)
+
+
+def test_a_band_limited_force_on_a_linear_beam_needs_no_small_step():
+    plant = free_beam()
+    record = record_of(plant, burst(FS, N, 100.0, 30.0), FS)
+    exact = simulate(plant, record, Settings(8, 32)).channels
+    for steps, tolerance in ((16, 1e-7), (8, 1e-6), (4, 1e-5)):  # what the straight lines' images beyond the band move
+        assert nrmse(simulate(plant, record, Settings(8, steps)).channels, exact) < tolerance
+
+
+def test_bouncing_on_springs_makes_no_energy():
+    """Two seconds of some hundred contacts a second: below 0.01 % a second at the default step, less at a finer one."""
+    plant = build_plant(rig_with(sleeve(1.0, damping=0.0), rayleigh_damping=(0.0, 0.0)))
+    drift = []
+    for rate in (8192.0, 16384.0):
+        time, q, v, port_q, forces, model = moved(plant, 4.0, rate, (0.2,))
+        energy = energy_of(plant, q, v, port_q, model)
+        switches = np.count_nonzero(np.diff((forces[0] != 0).astype(int))) / 4.0
+        assert switches > 50
+        drift.append(np.polyfit(time, energy, 1)[0] / energy[0])
+    assert abs(drift[0]) < 1e-4
+    assert abs(drift[1]) < abs(drift[0])
+
+
+DISSIPATIVE = {
+    "Kelvin-Voigt": beam,
+    "a strong dashpot": lambda: beam(damping=2000.0),
+    "Hunt-Crossley": lambda: beam(law="hunt_crossley", damping=20.0),
+    "squeeze film": lambda: beam(EFFECTS["squeeze_film"](ON_SLEEVE, damping=18.0)),
+    "Coulomb": lambda: beam(EFFECTS["coulomb_friction"](LAST, 3.0, 1e-3)),
+}
+
+
+@pytest.mark.parametrize("case", DISSIPATIVE)
+def test_a_passive_rig_loses_energy_and_gains_none(case):
+    plant = DISSIPATIVE[case]()
+    _, q, v, port_q, _, model = moved(plant, 1.0, 32768.0, (0.2, 0.1))
+    energy = energy_of(plant, q, v, port_q, model)
+    assert np.diff(energy).max() < 1e-4 * energy[0]  # a step's share of the error of the method
+    assert energy[-1] < 0.5 * energy[0]
+    assert energy.min() > -1e-9 * energy[0]
+
+
+@pytest.mark.parametrize("case", ["Kelvin-Voigt", "a strong dashpot", "Hunt-Crossley"])
+def test_a_contact_never_pulls(case):
+    plant = DISSIPATIVE[case]()
+    response = simulate(plant, record_of(plant, multisine(FS, N, 3.0, 150.0, 60.0), FS), Settings(trace=True))
+    trace = response.trace
+    q = np.stack([trace.q[trace.ports.index(Port(c.position))] for c in plant.contacts])
+    assert np.count_nonzero(trace.contact_forces) > 100
+    assert (trace.contact_forces * q <= 0.0).all()
+    assert not trace.contact_forces[np.abs(q) < plant.contacts[0].clearance].any()
+    assert (q > 0).any()
+    assert (q < 0).any()
+
+
+def test_at_rest_nothing_moves():
+    plant = build_plant(REFERENCE)
+    response = simulate(plant, record_of(plant, np.zeros(N), FS), Settings(trace=True))
+    assert np.abs(response.channels).max() < 1e-9
+    still = response.trace.q - response.model.rest.position[:, None]
+    assert np.abs(still).max() < 1e-13
+
+
+def test_a_beam_thrown_through_the_gap_in_one_step_meets_the_other_side():
+    plant = beam(clearance=1e-6)
+    _, _, v, port_q, forces, _ = moved(plant, 0.05, 8192.0, (5.0,))
+    assert np.isfinite(v).all()
+    assert (np.sign(port_q[:, 1:]) != np.sign(port_q[:, :-1])).any()
+    assert (forces != 0).any()
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "first", "last"), [(0, 1, 3, 5), (0.3, 1, 2, 7), (0, 0.6, 4, 1), (0, 1, -2, 6)]
+)
+def test_the_straight_line_of_a_part_has_its_impulse_and_its_first_moment(start, end, first, last):
+    a, b = part_step(float(start), float(end), float(first), float(last))
+    s = np.linspace(0.0, 1.0, 200001)
+    inside = (s >= start) & (s <= end)
+    force = np.where(inside, np.maximum(0.0, first + (last - first) * (s - start) / (end - start)), 0.0)
+    assert (a + b) / 2 == pytest.approx(np.trapezoid(force, s), abs=1e-4)  # the sum's own step
+    assert a / 6 + b / 3 == pytest.approx(np.trapezoid(force * s, s), abs=1e-4)
+
+
+def test_a_force_that_would_pull_throughout_is_none():
+    assert part_step(0.2, 1.0, -1.0, -3.0) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("root", [0.05, 0.5, 0.93])
+def test_the_crossing_is_that_of_the_cubic(root):
+    """p = (s - root)(1 + s^2) has one crossing."""
+    p0, p1 = -root, 2.0 * (1.0 - root)
+    r0, r1 = 1.0, 2.0 + 2.0 * (1.0 - root)
+    s, slope = crossing(p0, r0, p1, r1)
+    assert s == pytest.approx(root, abs=1e-9)
+    assert slope == pytest.approx(1.0 + root**2, rel=1e-8)
+
+
+def test_the_internal_state_is_carried_by_the_trapezoidal_rule():
+    from models.law import law_address
+
+    address, values, h = law_address(relaxing), np.array([300.0]), 1e-3
+    z = internal_state(address, values, 0, h, h, 0.0, 0.0, 0.8, 0.0, 0.0)
+    assert z == pytest.approx(0.8 * (1.0 - 0.15) / (1.0 + 0.15), rel=1e-12)
+
+
+def relaxing(t, q, v, z, p):
+    return -p[0] * z
+
+
+def test_a_law_that_makes_energy_is_noticed_within_a_chunk():
+    plant = replace(free_beam(), laws=(PointLaw(Port(1.4), negative_dashpot, (5e3,)),))
+    model = build_modal(plant, 800.0)
+    n = 4000
+    system, linear, inputs = linear_of(model, Drive(np.ones(n), None, STILL, None), 1e-3)
+    state, out = np.zeros(len(system.from_modal)), np.empty((len(system.to_modal), n))
+    done = march(linear, items_of(model), inputs, STILL, state, system.to_modal, out, np.empty((0, 0)), 1e-9)
+    assert done < n - 1
+    assert done % CHUNK == 0
+    assert np.isfinite(out[:, : done + 1]).all()
+
+
+def negative_dashpot(t, q, v, z, p):
+    return p[0] * v
+
+
+def test_a_step_of_any_length_is_taken_to_the_end():
+    for n in (2, CHUNK, CHUNK + 1, CHUNK + 2, 3 * CHUNK - 1):
+        model = build_modal(beam(), 800.0)
+        system, linear, inputs = linear_of(model, Drive(np.ones(n), None, STILL, None), 1e-4)
+        state, out = np.zeros(len(system.from_modal)), np.full((len(system.to_modal), n), np.nan)
+        done = march(linear, items_of(model), inputs, STILL, state, system.to_modal, out, np.empty((0, 0)), 1e-9)
+        assert done == n - 1
+        assert np.isfinite(out).all()
