@@ -1,0 +1,145 @@
+"""CSV: a header of ``name [unit]``, one row a sample; a column ``time [s]``, or ``# fs = 2048`` above the header."""
+
+import csv
+import re
+from pathlib import Path
+
+import numpy as np
+
+from models.arrays import FloatArray
+from models.errors import InputError
+from testbed.records.recording import RawChannel, Recording, Tag
+
+HOLDS = 'a header of "name [unit]" and one row of numbers for each sample'
+
+_HEADING = re.compile(r"\s*(.*?)\s*(?:\[([^\[\]]*)\])?\s*")
+_SETTING = re.compile(r"#\s*(fs|excitation_position)\s*[=:]\s*(\S+).*")
+_TIME_NAMES = ("time", "t")
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
+
+
+def read(path: Path) -> Recording:
+    """All columns as channels.
+
+    Args:
+        path: separated by comma, semicolon or tab; with semicolons, decimal commas are understood.
+
+    Raises:
+        InputError: no header, a row of another length, a cell that is no number.
+    """
+    lines = [line for line in _text(path).splitlines() if line.strip()]
+    settings = {m[1]: m[2] for line in lines if (m := _SETTING.fullmatch(line.strip()))}
+    lines = [line for line in lines if not _SETTING.fullmatch(line.strip())]
+    header, rows = _split(lines, path.name)
+    separator = max(";\t,", key=header.count)
+    tags = [_tag(cell) for cell in next(csv.reader([header], delimiter=separator))]
+    values = _numbers(rows, separator, tags, path.name)
+    time_at = next((i for i, tag in enumerate(tags) if (tag.name or "").lower() in _TIME_NAMES), None)
+    return Recording(
+        path.name,
+        tuple(RawChannel(tag, values[:, i]) for i, tag in enumerate(tags) if i != time_at),
+        fs=_setting(settings, "fs", path.name),
+        time=None if time_at is None else values[:, time_at],
+        time_unit=None if time_at is None else tags[time_at].unit,
+        excitation_position=_setting(settings, "excitation_position", path.name),
+    )
+
+
+def write(recording: Recording, path: Path) -> None:
+    """A time column in s and one column a channel, with digits enough to read back the same doubles.
+
+    Args:
+        recording: with ``fs``.
+        path: written in place.
+    """
+    assert recording.fs is not None
+    columns = [np.arange(len(recording.channels[0].data)) / recording.fs, *(c.data for c in recording.channels)]
+    headings = ["time [s]", *(f"{c.tag.name} [{c.tag.unit}]" for c in recording.channels)]
+    with path.open("w", encoding="utf-8", newline="") as file:
+        file.write(f"# fs = {recording.fs!r} Hz\n")
+        if recording.excitation_position is not None:
+            file.write(f"# excitation_position = {recording.excitation_position!r} m\n")
+        csv.writer(file, lineterminator="\n").writerow(headings)
+        np.savetxt(file, np.column_stack(columns), fmt="%.17g", delimiter=",")
+
+
+def _text(path: Path) -> str:
+    content = path.read_bytes()
+    if b"\0" in content:
+        raise InputError(f"{path.name}: holds binary data", f"a .csv file has {HOLDS}", "check the file's suffix")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        # Older Windows programs write µ and ² so.
+        return content.decode("cp1252", errors="replace")
+
+
+def _split(lines: list[str], file: str) -> tuple[str, list[str]]:
+    """The header and the rows; a header behind ``#``, as numpy writes it, counts where no other stands."""
+    comments = [line for line in lines if line.lstrip().startswith("#")]
+    body = [line for line in lines if not line.lstrip().startswith("#")]
+    if body and not _is_number(re.split(r"[;\t,]", body[0])[0]):
+        header, rows = body[0], body[1:]
+    elif comments:
+        header, rows = comments[-1].lstrip().lstrip("#"), body
+    else:
+        header, rows = "", []
+    if not rows:
+        what = "has no header" if body and not header else "has no samples"
+        raise InputError(
+            f"{file}: {what}", f"a .csv record has {HOLDS}", "write time [s],P1 [m/s^2],... above the numbers"
+        )
+    return header, rows
+
+
+def _tag(cell: str) -> Tag:
+    match = _HEADING.fullmatch(cell)
+    name, unit = (match[1], match[2]) if match else (cell.strip(), None)
+    return Tag(name=name or None, unit=unit.strip() or None if unit else None)
+
+
+def _numbers(rows: list[str], separator: str, tags: list[Tag], file: str) -> FloatArray:
+    """(N, n_columns)."""
+    if separator == ";":
+        rows = [row.replace(",", ".") for row in rows]
+    try:
+        values = np.loadtxt(rows, delimiter=separator, ndmin=2, comments=None, quotechar='"')
+    except ValueError as error:
+        raise _bad_row(rows, separator, tags, file) from error
+    if values.shape[1] != len(tags):
+        raise _bad_row(rows, separator, tags, file)
+    return np.asarray(values, float)
+
+
+def _bad_row(rows: list[str], separator: str, tags: list[Tag], file: str) -> InputError:
+    """The first row that is too short, too long or no row of numbers."""
+    for sample, row in enumerate(rows):
+        cells = next(csv.reader([row], delimiter=separator))
+        if len(cells) != len(tags):
+            return InputError(
+                f"{file}: sample {sample} has {len(cells)} values, the header {len(tags)}",
+                "all channels are equally long",
+                "complete the row, or cut the record before it",
+            )
+        for tag, cell in zip(tags, cells, strict=True):
+            if not _is_number(cell):
+                return InputError(
+                    f'{file}: channel {tag.shown}, sample {sample} is "{cell.strip()[:40]}"',
+                    "a sample is a number",
+                    "repair the sample, or cut the record before it",
+                )
+    return InputError(f"{file}: cannot be read", f"a .csv file has {HOLDS}", "check the file's suffix")
+
+
+def _is_number(cell: str) -> bool:
+    text = cell.strip().strip('"').lower()
+    return bool(_NUMBER.fullmatch(text)) or text.lstrip("+-") in ("nan", "inf", "infinity")
+
+
+def _setting(settings: dict[str, str], key: str, file: str) -> float | None:
+    if key not in settings:
+        return None
+    try:
+        return float(settings[key])
+    except ValueError:
+        raise InputError(f"{file}: {key} = {settings[key]}", f"{key} is a number", "correct the comment line") from None
