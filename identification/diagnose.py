@@ -12,6 +12,8 @@ from identification.evaluate import Evaluator, carry_noise
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, effect_unknowns
 from identification.judge import Ranked, concerning, judge, probabilities, refit, restarted, with_evidence
+from identification.maps import error_map
+from identification.missing_force import missing_forces
 from identification.outcome import added_effects, candidates_of, groups_of, next_experiment, rig_estimates
 from identification.prepare import Horizon, cut_to, horizons, prepare, resolved
 from identification.result import Diagnosis, Score, Stage, Verdict
@@ -32,6 +34,9 @@ MOST_EFFECTS = 3
 
 LEAST_SHARE = 0.25
 """An effect is added only if it takes away this share of the squared misfit beyond the noise."""
+
+LATER_SHARE = 0.6
+"""The same for further effects, unless they reach the noise: what is left may be a shape that no simple law has."""
 
 EXPLAINED_SHARE = 0.9
 """Share of the squared misfit beyond the noise that the added effects must take away, where the noise is not reached."""
@@ -197,7 +202,8 @@ def _accept(session: _Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
     odds = best.log_evidence + 0.5 * base.cost / scale
     share = (base.cost - best.fit.cost) / max(base.cost - base.n_data, 1.0)
     name = best.effect.label()
-    if odds < LEAST_EVIDENCE or (base.ratio > NOISE_REACHED and share < LEAST_SHARE):
+    least = LATER_SHARE if base.hypothesis.effects and best.fit.ratio > NOISE_NEAR else LEAST_SHARE
+    if odds < LEAST_EVIDENCE or (base.ratio > NOISE_REACHED and share < least):
         session.decide(f"{name} is the best of the library, but takes away only {share:.0%} of the misfit: not added")
         return None
     session.decide(
@@ -264,6 +270,7 @@ def _result(  # noqa: PLR0913
         label = stages[-1].label if verdict != "unexplained" else "calibrated"
         kept = [s for s in stages if verdict != "unexplained" or not s.hypothesis.effects]
         stages = [*kept[:-1], _stage(session, label, polished.hypothesis)]
+    calibrated = next(stage for stage in reversed(stages) if stage.label == "calibrated")
     first = rounds[0] if rounds else []
     chances = probabilities([r.log_evidence for r in first] + [_nothing(first, final)]) if first else []
     return Diagnosis(
@@ -274,9 +281,9 @@ def _result(  # noqa: PLR0913
         stages=tuple(stages),
         holdout=_held_out(session, given, polished.hypothesis, holdout, seed),
         rig_estimates=rig_estimates(polished),
-        where=(),
-        missing_forces=(),
-        updated_maps=(),
+        where=tuple(error_map(record) for record in calibrated.score.records),
+        missing_forces=missing_forces(session.everything, calibrated.hypothesis),
+        updated_maps=tuple(error_map(record) for record in stages[-1].score.records),
         traces=_traces(session, polished.hypothesis),
         next_experiment=next_experiment(verdict, first, chances, session.limits),
         decisions=tuple(session.decisions),

@@ -19,7 +19,7 @@ from models.arrays import ComplexArray, FloatArray
 from models.band_limit import SCORE_EDGE
 from models.errors import DivergenceError
 from models.record import Record
-from models.simulate import Response, Settings, simulate
+from models.simulate import Response, Settings
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,8 +125,7 @@ class Evaluator:
         plant = hypothesis.plant()
 
         def one(target: Target) -> Response:
-            start = hypothesis.starts.get(target.record.name)
-            return simulate(plant, target.record, settings or self.settings, start)
+            return hypothesis.simulated(target.record, settings or self.settings, plant)
 
         self.n_runs += len(self.targets)
         return list(_pool(self.jobs).map(one, self.targets))
@@ -158,8 +157,7 @@ class Evaluator:
             number, k, hypothesis = job
             target = self.targets[k]
             try:
-                start = hypothesis.starts.get(target.record.name)
-                channels = simulate(hypothesis.plant(), target.record, self.settings, start).channels
+                channels = hypothesis.simulated(target.record, self.settings).channels
             except DivergenceError:
                 rows[number] = None
                 return

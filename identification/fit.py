@@ -126,7 +126,7 @@ DAMPINGS = (1.0, 0.03, 30.0)
 """Factors on the damping tried together, so that no core waits."""
 
 LARGEST_STEP = 2.0
-"""Largest move of an unknown in one iteration, in its own coordinate, where the prior does not hold it."""
+"""Largest move of an unknown in one iteration, in its own coordinate."""
 
 
 def _start(evaluator: Evaluator, hypothesis: Hypothesis, unknowns: tuple[Unknown, ...], prior: FloatArray) -> _State:
@@ -182,7 +182,7 @@ def _step(  # noqa: PLR0913
     best, promised = replace(state, cost=np.inf), 0.0
     for _ in range(4):
         steps = [
-            _bounded(_free_step(state, unknowns, normal + factor * damping * np.diag(size), gradient), prior)
+            _bounded(_free_step(state, unknowns, normal + factor * damping * np.diag(size), gradient))
             for factor in DAMPINGS[: max(2, evaluator.jobs)]
         ]
         trials = [at_coordinates(state.hypothesis, unknowns, state.x + step) for step in steps]
@@ -230,7 +230,6 @@ def _at_bound(unknown: Unknown, state: _State, k: int, move: float) -> bool:
 AT_BOUND = 1e-3
 
 
-def _bounded(step: FloatArray, prior: FloatArray) -> FloatArray:
-    free = np.abs(step[prior == 0])
-    largest = free.max(initial=0.0)
+def _bounded(step: FloatArray) -> FloatArray:
+    largest = np.abs(step).max(initial=0.0)
     return step * min(1.0, LARGEST_STEP / largest) if largest > 0 else step

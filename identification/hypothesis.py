@@ -15,7 +15,9 @@ from models.arrays import FloatArray
 from models.effects import EFFECTS, Effect, Registry
 from models.effects.protocol import Parameter
 from models.plant import Plant, build_plant
+from models.record import Record
 from models.rig import Beam, Rig, RigParameter
+from models.simulate import Response, Settings, simulate
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +29,7 @@ class Hypothesis:
         values: path -> value, for numbers that differ from the rig file.
         effects: besides those of the rig file.
         starts: record name -> (2n,) modal state at its first sample; from rest where absent.
+        offsets: record name -> what its excitation channel reads at rest, SI; 0 where absent.
         registry: kind -> class.
     """
 
@@ -34,6 +37,7 @@ class Hypothesis:
     values: Mapping[str, float] = field(default_factory=dict)
     effects: tuple[Effect, ...] = ()
     starts: Mapping[str, FloatArray] = field(default_factory=dict)
+    offsets: Mapping[str, float] = field(default_factory=dict)
     registry: Registry = field(default_factory=lambda: EFFECTS, repr=False)
 
     @property
@@ -44,6 +48,19 @@ class Hypothesis:
     def plant(self) -> Plant:
         """What is simulated."""
         return build_plant(self.updated_rig, self.effects, self.registry)
+
+    def simulated(self, record: Record, settings: Settings, plant: Plant | None = None) -> Response:
+        """The response to a record's excitation, less its offset, from the record's start.
+
+        Args:
+            record: measured.
+            settings: resolution.
+            plant: of this hypothesis, if it is at hand.
+        """
+        offset = self.offsets.get(record.name, 0.0)
+        if offset and record.excitation is not None:
+            record = replace(record, excitation=record.excitation - offset)
+        return simulate(plant or self.plant(), record, settings, self.starts.get(record.name))
 
     def with_effects(self, *effects: Effect) -> "Hypothesis":
         """With more effects."""
@@ -99,24 +116,33 @@ class RigUnknown(Unknown):
 
 @dataclass(frozen=True)
 class EffectUnknown(Unknown):
-    """One fitted number of the effect with this index, as its logarithm or in a unit near its size."""
+    """One fitted number of the effect with this index, in spreads of its prior (log), or in a unit near its size.
+
+    Attributes:
+        trial: the value where the fit began, around which the prior lies.
+        unit: of a linear number.
+    """
 
     effect: int
     entry: int
     about: Parameter
+    trial: float
     unit: float
-    step: float = 0.02
+    step: float = 0.01
     prior: bool = False
     record: str | None = None
 
     def get(self, hypothesis: Hypothesis) -> float:
-        """Natural logarithm, or value over unit."""
+        """Spreads from the trial value, or units from 0."""
         value = float(hypothesis.effects[self.effect].fitted_values()[self.entry])
-        return log(max(value, SMALLEST)) if self.about.scale == "log" else value / self.unit
+        if self.about.scale == "linear":
+            return value / self.unit
+        return log(max(value, SMALLEST) / max(self.trial, SMALLEST)) / self.about.spread
 
     def set(self, hypothesis: Hypothesis, x: float) -> Hypothesis:
         """Kept within the parameter's bounds."""
-        value = exp(min(x, LARGEST_LOG)) if self.about.scale == "log" else x * self.unit
+        linear = self.about.scale == "linear"
+        value = x * self.unit if linear else max(self.trial, SMALLEST) * exp(min(x * self.about.spread, LARGEST_LOG))
         effect = hypothesis.effects[self.effect]
         values = effect.fitted_values()
         values[self.entry] = min(max(value, self.about.lower), self.about.upper)
@@ -172,6 +198,24 @@ class StartUnknown(Unknown):
         return replace(hypothesis, starts={**hypothesis.starts, self.record: start})
 
 
+@dataclass(frozen=True)
+class OffsetUnknown(Unknown):
+    """What a record's excitation channel reads at rest, in units of a typical size."""
+
+    scale: float
+    record: str
+    step: float = 1e-3
+    prior: bool = False
+
+    def get(self, hypothesis: Hypothesis) -> float:
+        """Offset over its typical size."""
+        return hypothesis.offsets.get(self.record, 0.0) / self.scale
+
+    def set(self, hypothesis: Hypothesis, x: float) -> Hypothesis:
+        """Unbounded."""
+        return replace(hypothesis, offsets={**hypothesis.offsets, self.record: x * self.scale})
+
+
 def _with_effect(hypothesis: Hypothesis, index: int, effect: Effect) -> Hypothesis:
     effects = list(hypothesis.effects)
     effects[index] = effect
@@ -188,7 +232,9 @@ def effect_unknowns(hypothesis: Hypothesis, *, places: bool = True) -> tuple[Unk
     unknowns: list[Unknown] = []
     for index, effect in enumerate(hypothesis.effects):
         for entry, (value, (_, about)) in enumerate(zip(effect.fitted_values(), effect.fitted_parameters(), strict=True)):
-            unknowns.append(EffectUnknown(index, entry, about, max(abs(value), 1e-3 * about.spread)))
+            unit = max(abs(float(value)), 1e-3 * about.spread)
+            known = about.scale == "log"
+            unknowns.append(EffectUnknown(index, entry, about, float(value), unit, prior=known))
         if places and free_place(effect) and isinstance(hypothesis.rig.structure, Beam):
             unknowns.append(PlaceUnknown(index, hypothesis.rig.structure.length))
     return tuple(unknowns)

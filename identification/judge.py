@@ -233,8 +233,7 @@ PLACES = 20.0
 
 def _spread(unknown: Unknown) -> float:
     assert isinstance(unknown, EffectUnknown)
-    about = unknown.about
-    return np.sqrt(2.0 * pi) * (about.spread if about.scale == "log" else about.spread / unknown.unit)
+    return float(np.sqrt(2.0 * pi) * (1.0 if unknown.about.scale == "log" else unknown.about.spread / unknown.unit))
 
 
 def probabilities(log_evidence: Sequence[float]) -> list[float]:

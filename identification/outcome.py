@@ -37,7 +37,7 @@ def effect_estimates(result: Fit, index: int) -> tuple[Estimate, ...]:
     for unknown, std in zip(result.unknowns, stds, strict=True):
         if isinstance(unknown, EffectUnknown) and unknown.effect == index:
             value = float(effect.fitted_values()[unknown.entry])
-            size = abs(value) * (exp(min(float(std), 3.0)) - 1.0) if unknown.about.scale == "log" else unknown.unit * std
+            size = abs(value) * (exp(min(float(std) * unknown.about.spread, 3.0)) - 1.0) if unknown.about.scale == "log" else unknown.unit * std
             entries.setdefault(names[unknown.entry], []).append(float(size))
         elif isinstance(unknown, PlaceUnknown) and unknown.effect == index:
             rows.append(Estimate("position", effect.place.position or 0.0, float(std) * unknown.length / 20.0, "m"))

@@ -7,7 +7,7 @@ from math import pi
 import numpy as np
 
 from identification.evaluate import Evaluator, Target, carry_noise, scored_spectrum, whitened
-from identification.hypothesis import Hypothesis, StartUnknown, Unknown
+from identification.hypothesis import Hypothesis, OffsetUnknown, StartUnknown, Unknown
 from identification.noise import estimate_noise
 from models.arrays import FloatArray
 from models.band_limit import STOP_EDGE
@@ -39,7 +39,10 @@ def prepare(hypothesis: Hypothesis, records: Sequence[Record], jobs: int, rng: n
 
 
 def start_unknowns(hypothesis: Hypothesis, records: Sequence[Record]) -> tuple[Unknown, ...]:
-    """The state at the first sample of each record that does not start at rest, mode by mode within the band."""
+    """The state at the first sample of each record that does not start at rest, mode by mode within the band.
+
+    Where displacements are measured, the excitation channel's reading at rest is unknown with it: neither zero is then seen.
+    """
     unknowns: list[Unknown] = []
     plant = hypothesis.plant()
     for record in records:
@@ -47,6 +50,9 @@ def start_unknowns(hypothesis: Hypothesis, records: Sequence[Record]) -> tuple[U
             model = build_modal(plant, STOP_EDGE * record.fs)
             scales = _state_scales(model, record)
             unknowns += [StartUnknown(i, 2 * model.n, s, record.name) for i, s in enumerate(scales) if s > 0]
+            quantities = {sensor.quantity for sensor in plant.sensors if sensor.name in record.sensors}
+            if record.excitation is not None and "displacement" in quantities:
+                unknowns.append(OffsetUnknown(float(np.std(record.excitation)) or 1.0, record.name))
     return tuple(unknowns)
 
 
