@@ -20,7 +20,7 @@ from identification.result import Diagnosis, Score, Stage, Verdict
 from models.effects import EFFECTS, Registry
 from models.record import Record
 from models.rig import Rig
-from models.simulate import Settings
+from models.simulate import Settings, Trace
 
 Progress = Callable[[str], None]
 
@@ -151,7 +151,9 @@ def _resolve(session: _Session, result: Fit) -> Fit:
     if finer.settings == session.fitting.settings:
         return result
     session.fitting, session.everything = finer, session.everything.with_settings(finer.settings)
-    session.decide(f"steps halved to {finer.settings.steps_per_sample} per sample: the coarser ones stood above the noise")
+    session.decide(
+        f"steps halved to {finer.settings.steps_per_sample} per sample: the coarser ones stood above the noise"
+    )
     return fit(finer, result.hypothesis, result.unknowns)
 
 
@@ -178,7 +180,9 @@ def _round(session: _Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
     for kinds, seconds, most in ((instant, SCREEN_SECONDS, 2), (lasting, TIME_SECONDS, 1)):
         if kinds:
             evaluator = cut_to(session.everything, seconds, session.limits, most)
-            screening.append((evaluator, fit(evaluator, base.hypothesis, concerning(base, evaluator), max_iterations=1), kinds))
+            screening.append(
+                (evaluator, fit(evaluator, base.hypothesis, concerning(base, evaluator), max_iterations=1), kinds)
+            )
     ranked = judge(screening, session.fitting, base, session.progress)
     if not ranked:
         return [], None
@@ -217,7 +221,8 @@ def _refined(session: _Session, result: Fit) -> Fit:
     """The last effect described in more detail as long as the evidence grows."""
     while True:
         rows = [
-            Ranked(effect, result, refitted=True, log_evidence=0.0) for effect in result.hypothesis.effects[-1].refined()
+            Ranked(effect, result, refitted=True, log_evidence=0.0)
+            for effect in result.hypothesis.effects[-1].refined()
         ]
         if not rows or result.ratio <= NOISE_REACHED:
             return result
@@ -254,7 +259,7 @@ def _verdict(session: _Session, calibrated: Fit, final: Fit, rounds: Sequence[Se
     return "unexplained"
 
 
-def _result(  # noqa: PLR0913
+def _result(
     session: _Session,
     given: Hypothesis,
     stages: list[Stage],
@@ -322,7 +327,7 @@ def _held_out(
     }
 
 
-def _traces(session: _Session, hypothesis: Hypothesis) -> dict[str, object]:
+def _traces(session: _Session, hypothesis: Hypothesis) -> dict[str, Trace]:
     responses = session.everything.responses(hypothesis, Settings(trace=True))
     rows = zip(session.everything.targets, responses, strict=True)
     return {target.record.name: response.trace for target, response in rows if response.trace is not None}

@@ -111,9 +111,7 @@ def fit(
     normal = rows @ rows.T + np.diag(prior)
     covariance = np.linalg.pinv(normal, hermitian=True)
     chi2 = float(state.residual @ state.residual)
-    return Fit(
-        state.hypothesis, unknowns, chi2, state.cost - chi2, evaluator.n_data, state.residual, rows, covariance
-    )
+    return Fit(state.hypothesis, unknowns, chi2, state.cost - chi2, evaluator.n_data, state.residual, rows, covariance)
 
 
 LEAST_GAIN = 2.0
@@ -167,7 +165,7 @@ def _only(evaluator: Evaluator, state: _State, unknown: Unknown, new: FloatArray
     return difference
 
 
-def _step(  # noqa: PLR0913
+def _step(
     evaluator: Evaluator,
     state: _State,
     unknowns: tuple[Unknown, ...],
@@ -202,9 +200,7 @@ def _step(  # noqa: PLR0913
     return best, promised, damping
 
 
-def _free_step(
-    state: _State, unknowns: tuple[Unknown, ...], normal: FloatArray, gradient: FloatArray
-) -> FloatArray:
+def _free_step(state: _State, unknowns: tuple[Unknown, ...], normal: FloatArray, gradient: FloatArray) -> FloatArray:
     """Newton's step in the unknowns that it does not push out of their bounds."""
     free = np.ones(len(gradient), dtype=bool)
     step = np.zeros_like(gradient)

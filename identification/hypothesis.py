@@ -231,7 +231,9 @@ def effect_unknowns(hypothesis: Hypothesis, *, places: bool = True) -> tuple[Unk
     """The fitted numbers of the hypothesis's effects, and where along the beam they sit."""
     unknowns: list[Unknown] = []
     for index, effect in enumerate(hypothesis.effects):
-        for entry, (value, (_, about)) in enumerate(zip(effect.fitted_values(), effect.fitted_parameters(), strict=True)):
+        for entry, (value, (_, about)) in enumerate(
+            zip(effect.fitted_values(), effect.fitted_parameters(), strict=True)
+        ):
             unit = max(abs(float(value)), 1e-3 * about.spread)
             known = about.scale == "log"
             unknowns.append(EffectUnknown(index, entry, about, float(value), unit, prior=known))

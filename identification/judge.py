@@ -12,6 +12,7 @@ from identification.fit import Fit, fit
 from identification.hypothesis import EffectUnknown, Hypothesis, PlaceUnknown, Unknown, effect_unknowns
 from identification.screen import promising, screen
 from models.effects import Effect, Registry
+from models.rig import Beam
 
 Progress = Callable[[str], None]
 
@@ -99,12 +100,31 @@ def _best(sketches: Sequence[_Sketch], most: int, per_kind: int) -> list[_Sketch
     """The best sketches, a few of each kind, without those far behind."""
     chosen: list[_Sketch] = []
     for sketch in sorted(sketches, key=lambda s: -s.share):
-        kind = sketch.fit.hypothesis.effects[-1].kind
-        same = sum(1 for other in chosen if other.fit.hypothesis.effects[-1].kind == kind)
+        effect = sketch.fit.hypothesis.effects[-1]
+        same = [other for other in chosen if other.fit.hypothesis.effects[-1].kind == effect.kind]
+        repeated = any(_same_place(effect, other.fit.hypothesis.effects[-1], sketch.fit) for other in same)
         behind = len(chosen) >= LEAST_REFITS and sketch.share < FAR_BEHIND * chosen[0].share
-        if same < per_kind and not behind and sketch.share > 0:
+        if len(same) < per_kind and not behind and not repeated and sketch.share > 0:
             chosen.append(sketch)
     return chosen[:most]
+
+
+LEAST_REFITS = 3
+"""Finalists at least, however far behind."""
+
+
+def _same_place(one: Effect, other: Effect, result: Fit) -> bool:
+    """Two fits that ended at the same place along the beam, with the same options."""
+    if any(getattr(one, key) != getattr(other, key) for key in one.options):
+        return False
+    structure, here, there = result.hypothesis.rig.structure, one.place.position, other.place.position
+    if here is None or there is None or one.place.sleeve != other.place.sleeve or not isinstance(structure, Beam):
+        return one.place == other.place
+    return abs(here - there) < SAME_PLACE * structure.length
+
+
+SAME_PLACE = 0.02
+"""Share of the length within which two positions are one."""
 
 
 def restarted(evaluator: Evaluator, base: Fit, found: Fit) -> Fit:
@@ -195,8 +215,6 @@ SKETCH_WINDOW = (0.1, 0.75)
 """Share of the response's energy, and seconds at least, on which suspects are sketched."""
 
 SKETCH_ITERATIONS = 6
-
-LEAST_REFITS = 3
 
 
 def with_evidence(ranked: Sequence[Ranked]) -> list[Ranked]:

@@ -91,7 +91,9 @@ def quiet_floor(channel: FloatArray) -> float:
     density = _periodogram(channel)
     n = len(density)
     first, last, width = max(2, int(0.02 * n)), int(2 * SCORE_EDGE * n), max(8, n // 20)
-    medians = [np.median(density[i : i + width]) for i in range(first, max(first + 1, last - width), max(1, width // 2))]
+    medians = [
+        np.median(density[i : i + width]) for i in range(first, max(first + 1, last - width), max(1, width // 2))
+    ]
     return float(min(medians)) / MEDIAN_OF_CHI2
 
 

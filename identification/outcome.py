@@ -37,7 +37,11 @@ def effect_estimates(result: Fit, index: int) -> tuple[Estimate, ...]:
     for unknown, std in zip(result.unknowns, stds, strict=True):
         if isinstance(unknown, EffectUnknown) and unknown.effect == index:
             value = float(effect.fitted_values()[unknown.entry])
-            size = abs(value) * (exp(min(float(std) * unknown.about.spread, 3.0)) - 1.0) if unknown.about.scale == "log" else unknown.unit * std
+            size = (
+                abs(value) * (exp(min(float(std) * unknown.about.spread, 3.0)) - 1.0)
+                if unknown.about.scale == "log"
+                else unknown.unit * std
+            )
             entries.setdefault(names[unknown.entry], []).append(float(size))
         elif isinstance(unknown, PlaceUnknown) and unknown.effect == index:
             rows.append(Estimate("position", effect.place.position or 0.0, float(std) * unknown.length / 20.0, "m"))
@@ -92,9 +96,10 @@ def next_experiment(
             "do": "measure at two more levels",
             "why": f"{open_kinds[0].label()} and {open_kinds[1].label()} differ in how they grow with amplitude",
         }
-    return {"do": "a hold-out record of another kind (a slow sweep)", "why": "to see whether the updated model predicts it"}
+    return {
+        "do": "a hold-out record of another kind (a slow sweep)",
+        "why": "to see whether the updated model predicts it",
+    }
 
 
 CHAOTIC = 1e4
-
-

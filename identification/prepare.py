@@ -146,7 +146,9 @@ def _horizon(record: Record, one: FloatArray, other: FloatArray) -> Horizon:
     return Horizon(record.name, float(growth.max()), seconds)
 
 
-def cut_to(evaluator: Evaluator, seconds: float, limits: Sequence[Horizon], most_records: int | None = None) -> Evaluator:
+def cut_to(
+    evaluator: Evaluator, seconds: float, limits: Sequence[Horizon], most_records: int | None = None
+) -> Evaluator:
     """The first part of the records, ``seconds`` in all, none beyond its horizon.
 
     Args:

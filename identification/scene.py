@@ -93,9 +93,7 @@ def _force(record: Record, response: Response, speed: FloatArray) -> float:
     return float(np.sum(response.model.carried**2) * np.sqrt(np.mean(acceleration**2)))
 
 
-def _scene(
-    place: Place, plant: Plant, size: tuple[float, float, float], force: float, evaluator: Evaluator
-) -> Scene:
+def _scene(place: Place, plant: Plant, size: tuple[float, float, float], force: float, evaluator: Evaluator) -> Scene:
     return Scene(
         place=place,
         contact=next((c for c in plant.contacts if c.sleeve == place.sleeve), None),

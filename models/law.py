@@ -25,7 +25,7 @@ def law_address(law: LawFunction) -> int:
     signature = types.float64(types.float64, types.float64, types.float64, types.float64, types.CPointer(types.float64))
     compiled = cfunc(signature, cache=True)(law)
     _keep_alive.append(compiled)
-    return int(compiled.address)
+    return int(compiled.address or 0)
 
 
 _keep_alive: list[object] = []
