@@ -39,7 +39,7 @@ LATER_SHARE = 0.6
 """The same for further effects, unless they reach the noise: what is left may be a shape that no simple law has."""
 
 EXPLAINED_SHARE = 0.9
-"""Share of the squared misfit beyond the noise that the added effects must take away, where the noise is not reached."""
+"""Share of the squared misfit beyond the noise that the effects must take away, where the noise is not reached."""
 
 LEAST_EVIDENCE = 12.0
 """Logarithm of the odds that an effect must bring against the model without it."""

@@ -83,7 +83,7 @@ def nrmse(residual: ComplexArray, measured: ComplexArray) -> float:
 
 @cache
 def _pool(jobs: int) -> ThreadPoolExecutor:
-    """One pool for all evaluators; its threads do small algebra, for which the library's own threads only get in the way."""
+    """One pool for all evaluators; its threads do small algebra, in which the library's own threads get in the way."""
     threadpool_limits(1)
     return ThreadPoolExecutor(jobs, thread_name_prefix="simulate")
 

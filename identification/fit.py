@@ -1,7 +1,7 @@
 """Nonlinear least squares over the unknowns of a hypothesis, with what is known beforehand as further data.
 
-Levenberg and Marquardt's method. The columns of the Jacobian that belong to the rig's numbers change little, so they are
-kept from one iteration to the next, and formed anew only where a step does not bring what it promised.
+Levenberg and Marquardt's method. The columns of the Jacobian that belong to the rig's numbers change little, so they
+are kept from one iteration to the next, and formed anew only where a step does not bring what it promised.
 """
 
 from collections.abc import Callable, Sequence
@@ -109,7 +109,7 @@ def fit(
         _differentiate(evaluator, state, unknowns, rows, range(first, len(unknowns)))
         fresh = refresh_all or kept == 0
     normal = rows @ rows.T + np.diag(prior)
-    covariance = np.linalg.pinv(normal, hermitian=True)
+    covariance = np.asarray(np.linalg.pinv(normal, hermitian=True), np.float64)
     chi2 = float(state.residual @ state.residual)
     return Fit(state.hypothesis, unknowns, chi2, state.cost - chi2, evaluator.n_data, state.residual, rows, covariance)
 
@@ -207,7 +207,7 @@ def _free_step(state: _State, unknowns: tuple[Unknown, ...], normal: FloatArray,
     for _ in range(len(gradient)):
         step[:] = 0.0
         step[free] = -np.linalg.solve(normal[np.ix_(free, free)], gradient[free])
-        stuck = [k for k in np.flatnonzero(free) if _at_bound(unknowns[k], state, k, step[k])]
+        stuck = [k for k in np.flatnonzero(free).tolist() if _at_bound(unknowns[k], state, k, step[k])]
         if not stuck:
             break
         free[stuck] = False

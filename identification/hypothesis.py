@@ -1,7 +1,7 @@
 """A hypothesis about the rig: numbers of the rig file, effects besides, and the state each record starts from.
 
-An ``Unknown`` is one number of it that a fit may move, in a coordinate in which one unit is about one standard deviation
-of what is known beforehand.
+An ``Unknown`` is one number of it that a fit may move, in a coordinate in which one unit is about one standard
+deviation of what is known beforehand.
 """
 
 from abc import ABC, abstractmethod
@@ -95,7 +95,7 @@ class Unknown(ABC):
 
 @dataclass(frozen=True)
 class RigUnknown(Unknown):
-    """A toleranced number of the rig file, in standard deviations from the given value, never far outside its tolerance."""
+    """A toleranced number of the rig file, in standard deviations from the given value, kept near its tolerance."""
 
     parameter: RigParameter
     step: float = 0.05

@@ -1,4 +1,4 @@
-"""Which effect is missing? Screening of all, a sketch of the promising, a full refit of the best, ranked by evidence."""
+"""Which effect is missing? Screen all, sketch the promising, refit the best with all numbers, rank by evidence."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -220,8 +220,8 @@ SKETCH_ITERATIONS = 6
 def with_evidence(ranked: Sequence[Ranked]) -> list[Ranked]:
     """Sorted by Laplace's approximation to the evidence, with residuals in units of what the best fit leaves.
 
-    log Z = -cost / (2 s^2) + sum over the effect's unknowns of log(posterior std / prior std); s^2 is 1 where the noise is
-    reached and the best reduced chi-square where no model reaches it, so that a misfit common to all does not speak.
+    log Z = -cost / (2 s^2) + sum over the effect's unknowns of log(posterior std / prior std); s^2 is 1 where the noise
+    is reached and the best reduced chi-square where no model reaches it, so that a misfit common to all does not speak.
     Source: D. J. C. MacKay, Information Theory, Inference, and Learning Algorithms (2003), chapter 28.
     """
     if not ranked:

@@ -1,9 +1,10 @@
 """How noisy the channels are, estimated from the records themselves.
 
 Three ways, the first that applies: the part of a channel that does not repeat when the excitation does; the recorder's
-stopped band, where nothing but noise added after its filter can be; and, among several sensors, the part of each that no
-few common sources explain (factor analysis of the cross-spectra: a beam driven by a force and held by two sleeves has three
-sources). What is left is the quietest band. All give the density of white noise, so the noise in any band follows.
+stopped band, where nothing but noise added after its filter can be; and, among several sensors, the part of each that
+no few common sources explain (factor analysis of the cross-spectra: a beam driven by a force and held by two sleeves
+has three sources). What is left is the quietest band. All give the density of white noise, so the noise in any band
+follows.
 """
 
 from dataclasses import dataclass
@@ -116,7 +117,7 @@ def _periodogram(channel: FloatArray) -> FloatArray:
 
 
 def _between_periods(responses: FloatArray, period: int) -> FloatArray:
-    """(n,) white-noise variance from differences of successive periods; the median over lines passes over transients."""
+    """(n,) white-noise variance from differences of successive periods; the median passes over transients."""
     n_periods = responses.shape[1] // period
     blocks = responses[:, : n_periods * period].reshape(len(responses), n_periods, period)
     spectra = np.abs(np.fft.rfft(np.diff(blocks[:, 1:], axis=1), axis=2)) ** 2 / (2.0 * period)
@@ -160,4 +161,4 @@ def _segments(signals: AnyArray) -> AnyArray:
     """(n, n_segments, lines) spectra of half-overlapping Hann segments; white noise of variance 1 reads power 1."""
     window = get_window("hann", SEGMENT)
     view = np.lib.stride_tricks.sliding_window_view(signals, SEGMENT, axis=1)[:, :: SEGMENT // 2]
-    return np.fft.rfft(view * window, axis=2) / np.sqrt(np.sum(window**2))
+    return np.asarray(np.fft.rfft(view * window, axis=2) / np.sqrt(np.sum(window**2)))

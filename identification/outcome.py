@@ -8,13 +8,16 @@ import numpy as np
 from identification.evaluate import Evaluator
 from identification.fit import Fit
 from identification.hypothesis import EffectUnknown, PlaceUnknown, RigUnknown
-from identification.judge import Ranked
+from identification.judge import Ranked, probabilities
 from identification.prepare import Horizon
 from identification.result import AddedEffect, Candidate, Estimate, Verdict
 from models.effects import Effect
 
 TELLABLE = 0.02
 """Candidates with a larger share of the probability than this cannot be excluded."""
+
+LARGEST_LOG_STD = 3.0
+"""A standard deviation of more e-folds than this is reported as this: the number is not known at all."""
 
 
 def rig_estimates(result: Fit) -> tuple[Estimate, ...]:
@@ -38,7 +41,7 @@ def effect_estimates(result: Fit, index: int) -> tuple[Estimate, ...]:
         if isinstance(unknown, EffectUnknown) and unknown.effect == index:
             value = float(effect.fitted_values()[unknown.entry])
             size = (
-                abs(value) * (exp(min(float(std) * unknown.about.spread, 3.0)) - 1.0)
+                abs(value) * (exp(min(float(std) * unknown.about.spread, LARGEST_LOG_STD)) - 1.0)
                 if unknown.about.scale == "log"
                 else unknown.unit * std
             )
@@ -55,8 +58,6 @@ def effect_estimates(result: Fit, index: int) -> tuple[Estimate, ...]:
 
 def added_effects(result: Fit, rounds: Sequence[Sequence[Ranked]]) -> tuple[AddedEffect, ...]:
     """The effects of the fit, each with its probability in the round that added it."""
-    from identification.judge import probabilities
-
     rows: list[AddedEffect] = []
     for index, effect in enumerate(result.hypothesis.effects):
         ranked = rounds[index]

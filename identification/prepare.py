@@ -1,4 +1,4 @@
-"""From records to what a fit works on: noise, the part that can be predicted, and windows that fit the time there is."""
+"""From records to what a fit works on: noise, the predictable part, and windows that fit the time there is."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -41,7 +41,8 @@ def prepare(hypothesis: Hypothesis, records: Sequence[Record], jobs: int, rng: n
 def start_unknowns(hypothesis: Hypothesis, records: Sequence[Record]) -> tuple[Unknown, ...]:
     """The state at the first sample of each record that does not start at rest, mode by mode within the band.
 
-    Where displacements are measured, the excitation channel's reading at rest is unknown with it: neither zero is then seen.
+    Where displacements are measured, the excitation channel's reading at rest is unknown with it: neither zero is then
+    seen.
     """
     unknowns: list[Unknown] = []
     plant = hypothesis.plant()
