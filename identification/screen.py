@@ -45,15 +45,21 @@ class Projection:
         self.pull = self.inverse @ gradient
         self.misfit = float(base.residual @ base.residual + prior @ x**2 - gradient @ self.pull)
 
-    def gain(self, change: FloatArray) -> tuple[float, float]:
-        """(decrease of chi-square, best factor) for a change of the response proportional to a trial value."""
+    def gain(self, change: FloatArray, *, two_sided: bool = False) -> tuple[float, float]:
+        """(decrease of chi-square, best factor) for a change of the response proportional to a trial value.
+
+        Args:
+            change: (n_data,) in units of the noise.
+            two_sided: whether a negative factor makes sense (a gain below 1 for one above).
+        """
         shared = self.rows @ change
         along = float(change @ self.residual - shared @ self.pull)
         size = float(change @ change - shared @ self.inverse @ shared)
         if size <= LEAST_SHARE * float(change @ change) or size == 0.0:
             return 0.0, 1.0
         best = -along / size
-        factor = min(max(best, LEAST_FACTOR), LARGEST_FACTOR)
+        size_of = min(max(abs(best), LEAST_FACTOR), LARGEST_FACTOR)
+        factor = -size_of if best < 0 and two_sided else size_of if best > 0 else LEAST_FACTOR
         return float(-2.0 * factor * along - factor**2 * size), factor
 
 
@@ -96,13 +102,18 @@ def _tried(evaluator: Evaluator, base: Fit, projection: Projection, trials: Sequ
         rows = evaluator.residuals([(base.hypothesis.with_effects(effect), None) for effect in batch])
         for effect, row in zip(batch, rows, strict=True):
             if row is not None:
-                gain, factor = projection.gain(row - base.residual)
+                gain, factor = projection.gain(row - base.residual, two_sided=_two_sided(effect))
                 suspects.append(Suspect(effect.scaled(factor), gain))
     return suspects
 
 
 BATCH = 16
 """Trials whose residuals are held in memory together."""
+
+
+def _two_sided(effect: Effect) -> bool:
+    """Its size can be on either side of nothing."""
+    return any(p.neutral is not None and p.lower < p.neutral < p.upper for _, p in effect.fitted_parameters())
 
 
 def _trials(evaluator: Evaluator, base: Fit, registry: Registry) -> dict[tuple[str, Place], list[Effect]]:
