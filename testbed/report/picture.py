@@ -1,6 +1,6 @@
 """A drawn figure as a part of a page: no file, no link."""
 
-from base64 import b64encode
+from base64 import b64decode, b64encode
 from dataclasses import dataclass
 from io import BytesIO
 from typing import Literal
@@ -24,6 +24,11 @@ class Picture:
     source: str
     alt: str
     caption: str
+
+    @property
+    def data(self) -> bytes:
+        """The image itself, for a file of its own."""
+        return b64decode(self.source.partition(",")[2])
 
 
 def picture(figure: Figure, alt: str, caption: str, form: Literal["svg", "png"] = "png") -> Picture:

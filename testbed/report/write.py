@@ -31,6 +31,9 @@ from testbed.report.rows import (
 from testbed.report.words import headline, second_line
 
 FILE = "report.html"
+FIRST, FIRST_PICTURE = "error_steps", "error.svg"
+"""The first picture, of the error falling, and the file in which it stands beside the report."""
+
 TITLES = {"missing_effect": "Missing effect found", "complete": "Model complete", "unexplained": "Unexplained"}
 
 
@@ -40,7 +43,7 @@ def write_report(diagnosis: Diagnosis, rig: Rig, out_dir: Path, provenance: Prov
     Args:
         diagnosis: finished.
         rig: as its owner describes it.
-        out_dir: folder of ``report.html``, made if it does not exist.
+        out_dir: folder of ``report.html`` and ``error.svg``, made if it does not exist.
         provenance: where the numbers come from.
 
     Returns:
@@ -57,8 +60,10 @@ def write_report(diagnosis: Diagnosis, rig: Rig, out_dir: Path, provenance: Prov
         lstrip_blocks=True,
     )
     with report_style():
-        page = environment.get_template("report.html.j2").render(_content(diagnosis, rig, provenance))
+        content = _content(diagnosis, rig, provenance)
+        page = environment.get_template("report.html.j2").render(content)
     out_dir.mkdir(parents=True, exist_ok=True)
+    (out_dir / FIRST_PICTURE).write_bytes(content[FIRST].data)
     path = out_dir / FILE
     path.write_text(page, encoding="utf-8")
     return path
