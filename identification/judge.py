@@ -42,42 +42,6 @@ class Ranked:
     log_evidence: float
 
 
-def judge(
-    screening: Sequence[tuple[Evaluator, Fit, Registry]],
-    fitting: Evaluator,
-    base: Fit,
-    progress: Progress,
-) -> list[Ranked]:
-    """All effects worth a refit, the one with the most evidence first.
-
-    Args:
-        screening: records to screen on, the calibrated model on them, and the kinds to screen there.
-        fitting: records to refit on.
-        base: the calibrated model on those.
-        progress: told what is being done.
-    """
-    start = replace(base.hypothesis, values={}) if strained(base) else base.hypothesis
-    sketches: list[_Sketch] = []
-    for evaluator, there, registry in screening:
-        shortlist = promising(screen(evaluator, there, registry, progress), SKETCHES_PER_KIND)[:MOST_SKETCHES]
-        lasting = any(kind.family == "time" for kind in registry.values())
-        window = evaluator if lasting else beginning(evaluator, *SKETCH_WINDOW)
-        bare = fit(window, start, concerning(base, window), max_iterations=SKETCH_ITERATIONS, tolerance=1e-2)
-        progress(f"sketching {len(shortlist)} suspects on {_seconds(window):.1f} s of records")
-        for suspect in shortlist:
-            quick = _fitted(window, start, base, suspect.effect)
-            if quick is not None:
-                sketches.append(_Sketch(bare, quick))
-    ranked: list[Ranked] = []
-    for sketch in _best(sketches, FINALISTS, REFITS_PER_KIND):
-        hypothesis = sketch.fit.hypothesis
-        progress(f"refitting {hypothesis.effects[-1].label()} with all numbers on {_seconds(fitting):.0f} s of records")
-        result = refit(fitting, base, hypothesis.effects[-1], hypothesis.values)
-        if result is not None:
-            ranked.append(Ranked(result.hypothesis.effects[-1], result, refitted=True, log_evidence=0.0))
-    return with_evidence(ranked)
-
-
 @dataclass(frozen=True, eq=False)
 class _Sketch:
     """A first fit of a suspect on the beginning of the records.
@@ -92,8 +56,67 @@ class _Sketch:
 
     @property
     def share(self) -> float:
-        """Share of the cost that the suspect takes away."""
-        return (self.base.cost - self.fit.cost) / max(self.base.cost, 1.0)
+        """Share of the cost that the suspect takes away, less what its parameters cost in evidence."""
+        return (self.base.cost - self.fit.cost + 2.0 * log_occam(self.fit)) / max(self.base.cost, 1.0)
+
+
+def judge(
+    screening: Sequence[tuple[Evaluator, Fit, Registry]],
+    fitting: Evaluator,
+    base: Fit,
+    progress: Progress,
+) -> list[Ranked]:
+    """All effects worth a refit, the one with the most evidence first.
+
+    Args:
+        screening: records to screen on, the calibrated model on them, and the kinds to screen there.
+        fitting: records to refit on.
+        base: the calibrated model on those.
+        progress: told what is being done.
+    """
+    start = replace(base.hypothesis, values={}) if strained(base) and base.ratio > SMALL else base.hypothesis
+    sketches: list[_Sketch] = []
+    for evaluator, there, registry in screening:
+        shortlist = promising(screen(evaluator, there, registry, progress), SKETCHES_PER_KIND)[:MOST_SKETCHES]
+        lasting = any(kind.family == "time" for kind in registry.values())
+        whole = lasting or base.ratio < SMALL
+        window = evaluator if whole else beginning(evaluator, *SKETCH_WINDOW)
+        bare = fit(window, start, concerning(base, window), max_iterations=SKETCH_ITERATIONS, tolerance=1e-2)
+        kept = shortlist[: MOST_SKETCHES // 2] if whole else shortlist
+        progress(f"sketching {len(kept)} suspects on {_seconds(window):.1f} s of records")
+        for suspect in kept:
+            quick = _fitted(window, start, base, suspect.effect)
+            if quick is not None:
+                sketches.append(_Sketch(bare, quick))
+    return _finals(_best(sketches, FINALISTS, REFITS_PER_KIND), fitting, base, progress)
+
+
+def _finals(finalists: Sequence[_Sketch], fitting: Evaluator, base: Fit, progress: Progress) -> list[Ranked]:
+    """The finalists refitted, unless the first reaches the noise and the beginning alone already rules another out."""
+    ranked: list[Ranked] = []
+    ruled_out: list[_Sketch] = []
+    for sketch in finalists:
+        hypothesis = sketch.fit.hypothesis
+        if ranked and ranked[0].fit.ratio < CLOSE_ENOUGH and sketch.fit.ratio > RULED_OUT * finalists[0].fit.ratio:
+            ruled_out.append(sketch)
+            continue
+        progress(f"refitting {hypothesis.effects[-1].label()} with all numbers on {_seconds(fitting):.0f} s of records")
+        result = refit(fitting, base, hypothesis.effects[-1], hypothesis.values)
+        if result is not None:
+            ranked.append(Ranked(result.hypothesis.effects[-1], result, refitted=True, log_evidence=0.0))
+    ordered = with_evidence(ranked)
+    for sketch in ruled_out:
+        behind = 0.5 * (sketch.fit.cost - finalists[0].fit.cost)
+        effect = sketch.fit.hypothesis.effects[-1]
+        ordered.append(Ranked(effect, sketch.fit, refitted=False, log_evidence=ordered[0].log_evidence - behind))
+    return ordered
+
+
+SMALL = 1.5
+"""Residual over noise below which the beginning of the records is too short to tell suspects apart."""
+
+RULED_OUT = 1.3
+"""A sketch this many times as far off as the best one, when that reaches the noise, is not refitted."""
 
 
 def _best(sketches: Sequence[_Sketch], most: int, per_kind: int) -> list[_Sketch]:

@@ -43,9 +43,7 @@ def contact_along(contact: Contact, q: FloatArray, v: FloatArray, fs: float) -> 
 
 
 @njit(**OPTIONS)
-def _law_along(  # noqa: PLR0917
-    law: int, rate: int, values: FloatArray, q: FloatArray, v: FloatArray, h: float
-) -> FloatArray:
+def _law_along(law: int, rate: int, values: FloatArray, q: FloatArray, v: FloatArray, h: float) -> FloatArray:
     force = np.empty(len(q))
     z = 0.0
     for i in range(len(q)):
@@ -56,9 +54,7 @@ def _law_along(  # noqa: PLR0917
 
 
 @njit(**OPTIONS)
-def _contact_along(  # noqa: PLR0917
-    law: int, values: FloatArray, gap: FloatArray, q: FloatArray, v: FloatArray, h: float
-) -> FloatArray:
+def _contact_along(law: int, values: FloatArray, gap: FloatArray, q: FloatArray, v: FloatArray, h: float) -> FloatArray:
     force = np.empty(len(q))
     for i in range(len(q)):
         p, p_rate, side = penetration_of(gap, 0, i * h, q[i], v[i])
