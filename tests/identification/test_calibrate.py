@@ -1,0 +1,94 @@
+"""Calibration: a phase that has run away is brought back, and what stands at its end is named."""
+
+import numpy as np
+import pytest
+from trial_records import FS, REFERENCE, evaluator_of, measured, moved, multisine, oscillator, sweep
+
+from identification.calibrate import beginning, calibrate, strained, unknowns_of
+from identification.fit import fit
+from identification.hypothesis import Hypothesis, OffsetUnknown, RigUnknown, StartUnknown, rig_unknowns
+from identification.prepare import MIN_SAMPLES
+
+
+def test_the_unknowns_are_the_tolerances_and_the_moving_starts():
+    rig = oscillator("displacement")
+    pairs = [measured(Hypothesis(rig), sweep(512), name=name, moving_start=name == "a") for name in "ab"]
+
+    unknowns = unknowns_of(Hypothesis(rig), evaluator_of(*pairs))
+
+    assert [type(u) for u in unknowns] == [*3 * [RigUnknown], StartUnknown, StartUnknown, OffsetUnknown]
+    assert {u.record for u in unknowns[3:]} == {"a"}
+
+
+def test_a_beginning_holds_its_share_of_the_energy_and_its_seconds():
+    late = np.concatenate([np.zeros(1024), sweep(1024)])
+    early = np.concatenate([sweep(1024), np.zeros(1024)])
+    pairs = [measured(Hypothesis(oscillator()), force, noise=0.0) for force in (late, early)]
+
+    waits, hurries = (t.record for t in beginning(evaluator_of(*pairs), 0.5, 0.3).targets)
+    energy = np.cumsum(pairs[0][0].responses ** 2)
+
+    assert energy[waits.n_samples] == pytest.approx(0.5 * energy[-1], rel=0.02)
+    assert hurries.n_samples >= round(0.3 * FS)
+    assert hurries.n_samples < 0.6 * waits.n_samples
+    assert beginning(evaluator_of(*pairs), 0.0, 0.0).targets[0].record.n_samples == MIN_SAMPLES
+    assert beginning(evaluator_of(*pairs), 1.0, 60.0).targets[0].record.n_samples == 2048
+
+
+def test_short_windows_first_bring_back_a_phase_that_ran_away():
+    rig = oscillator(freq=100.0, damping_ratio=0.002, stiffness=0.04, damping=0.1)
+    truth = moved(rig, 2.5, 0.0)
+    blow = np.where(np.arange(4096) < 8, 100.0, 0.0)
+    evaluator = evaluator_of(measured(truth, blow))
+    unknowns = rig_unknowns(rig)
+
+    found = calibrate(evaluator, Hypothesis(rig), unknowns, windows=((0.02, 0.1), (0.1, 0.3)))
+
+    assert abs(unknowns[0].get(found.hypothesis) - 2.5) < 4.0 * found.std()[0]
+    assert found.ratio == pytest.approx(1.0, abs=0.1)
+    # 5 Hz off is ten turns at the end: the fit of the whole record alone stays in another valley.
+    assert fit(evaluator, Hypothesis(rig), unknowns).ratio > 3.0
+
+
+@pytest.mark.parametrize(
+    "rms",
+    [
+        2.0,
+        pytest.param(
+            10.0, marks=pytest.mark.xfail(reason="the numbers end 7 of their deviations off, at a ratio of 1")
+        ),
+        40.0,
+    ],
+)
+def test_the_beam_comes_back_from_a_wrong_start(rms):
+    truth = moved(REFERENCE, 1.0, -1.5, 1.0, 1.2, -1.0, 1.5, -1.0, 0.8, -1.4)
+    evaluator = evaluator_of(measured(truth, multisine(3072, rms=rms, low=10.0)))
+    unknowns = unknowns_of(Hypothesis(REFERENCE), evaluator)
+
+    found = calibrate(evaluator, Hypothesis(REFERENCE), unknowns)
+
+    errors = [(u.get(found.hypothesis) - u.get(truth)) / s for u, s in zip(unknowns, found.std(), strict=True)]
+    assert found.ratio == pytest.approx(1.0, abs=0.1)
+    assert np.abs(errors).max() < 4.0
+
+
+def test_without_unknowns_nothing_moves():
+    rig = oscillator().model_copy(update={"tolerances": {}})
+    evaluator = evaluator_of(measured(Hypothesis(rig), sweep(512)))
+
+    found = calibrate(evaluator, Hypothesis(rig), unknowns_of(Hypothesis(rig), evaluator))
+
+    assert found.hypothesis.values == {}
+    assert found.n_data == evaluator.n_data
+
+
+def test_a_number_pushed_to_its_end_is_named_and_no_other():
+    rig = oscillator()
+    truth = Hypothesis(rig.with_values({"stiffness": rig.structure.stiffness * 1.3}))
+    evaluator = evaluator_of(measured(truth, sweep(1024)))
+
+    found = calibrate(evaluator, Hypothesis(rig), rig_unknowns(rig))
+    well = calibrate(evaluator_of(measured(moved(rig, 1.0, 1.0, 1.0), sweep(1024))), Hypothesis(rig), rig_unknowns(rig))
+
+    assert "stiffness" in {u.parameter.path for u in strained(found)}
+    assert strained(well) == []

@@ -1,0 +1,160 @@
+"""Residuals in units of the noise: 1 for the truth, whatever the number of threads."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from trial_records import FS, REFERENCE, evaluator_of, measured, moved, multisine, oscillator, sweep
+
+from identification.evaluate import Evaluator, Target, carry_noise, nrmse, scored_spectrum
+from identification.hypothesis import Hypothesis
+from identification.noise import Noise
+from models.band_limit import SCORE_EDGE
+
+
+def brick_wall(channels, fs):
+    """Nothing above 0.35 fs."""
+    freq = np.fft.rfftfreq(channels.shape[1], 1.0 / fs)
+    return np.fft.irfft(np.fft.rfft(channels) * (freq <= SCORE_EDGE * fs), channels.shape[1])
+
+
+@pytest.mark.parametrize("rig", [REFERENCE, oscillator()], ids=["beam", "oscillator"])
+def test_the_truth_leaves_the_noise_alone(rig):
+    truth = Hypothesis(rig)
+    evaluator = evaluator_of(measured(truth, multisine()))
+
+    residual = evaluator.residuals([(truth, None)])[0]
+
+    # Four standard deviations of chi-square over its degrees of freedom.
+    assert np.mean(residual**2) == pytest.approx(1.0, abs=4.0 * np.sqrt(2.0 / evaluator.n_data))
+    assert len(residual) == evaluator.n_data
+
+
+def test_a_wrong_rig_leaves_more():
+    evaluator = evaluator_of(measured(Hypothesis(oscillator()), multisine()))
+
+    residual = evaluator.residuals([(moved(oscillator(), 0.0, 2.0, 0.0), None)])[0]
+
+    assert np.mean(residual**2) > 100.0
+
+
+def test_nrmse_is_that_of_low_passed_signals():
+    rng = np.random.default_rng(2)
+    channels = rng.standard_normal((3, 1024)) * np.array([[1.0], [5.0], [0.2]])
+    model = channels + 0.3 * rng.standard_normal((3, 1024))
+    channels -= channels.mean(axis=1, keepdims=True)
+    model -= model.mean(axis=1, keepdims=True)
+    error, true = brick_wall(model - channels, FS), brick_wall(channels, FS)
+
+    found = nrmse(scored_spectrum(model - channels), scored_spectrum(channels))
+
+    assert found == pytest.approx(np.sqrt(np.mean(error**2) / np.mean(true**2)), rel=1e-12)
+
+
+def test_the_nrmse_of_the_noise_is_what_the_truth_leaves():
+    record, noise = measured(Hypothesis(REFERENCE), multisine(), noise=0.02)
+    clean, _ = measured(Hypothesis(REFERENCE), multisine(), noise=0.0)
+    target = Target.of(record, noise)
+
+    left = nrmse(scored_spectrum(clean.responses) - target.measured, target.measured)
+
+    assert target.nrmse_of_noise == pytest.approx(left, rel=0.05)
+
+
+def test_a_cut_keeps_the_beginning_and_its_noise():
+    target = Target.of(*measured(Hypothesis(oscillator()), sweep(2048)))
+
+    short = target.cut(500)
+
+    np.testing.assert_array_equal(short.record.responses, target.record.responses[:, :500])
+    np.testing.assert_array_equal(short.record.excitation, target.record.excitation[:500])
+    np.testing.assert_array_equal(short.measured, scored_spectrum(target.record.responses[:, :500]))
+    assert np.all(short.density == target.density[0, 0])
+    assert target.cut(2048) is target
+    decay = replace(target.record, excitation=None)
+    assert Target.of(decay, target.noise).cut(500).record.excitation is None
+
+
+def test_a_cut_keeps_a_density_where_it_was_in_frequency():
+    target = Target.of(*measured(Hypothesis(oscillator()), sweep(2048)))
+    peak = np.ones_like(target.density)
+    peak[0, 300:320] = 50.0
+
+    short = replace(target, density=peak).cut(1024)
+
+    assert short.density.shape == short.measured.shape
+    assert np.flatnonzero(short.density[0] > 1.0).mean() == pytest.approx(155.0, abs=1.0)
+
+
+def test_no_channel_is_believed_to_be_without_noise():
+    record, _ = measured(Hypothesis(oscillator()), sweep(512), noise=0.0)
+
+    target = Target.of(record, Noise(np.zeros(1), 0.0, "", ""))
+
+    assert np.all(target.density > 0.0)
+
+
+def test_noise_of_the_excitation_is_carried_through_the_model():
+    rig = oscillator("displacement", freq=150.0, damping_ratio=0.1)
+    record, noise = measured(Hypothesis(rig), sweep(4096), noise=1e-4, force_noise=0.02)
+    evaluator = evaluator_of((record, noise))
+
+    (target,) = carry_noise(evaluator, Hypothesis(rig), np.random.default_rng(4))
+
+    sensors = evaluator.targets[0].density
+    freq = np.arange(sensors.shape[1]) * FS / 4096
+    omega, about = 2.0 * np.pi * freq, rig.structure
+    gain = 1.0 / np.abs(about.stiffness - about.mass * omega**2 + 1j * about.damping * omega)
+    expected = sensors[0] + (gain * noise.excitation) ** 2
+    band = (freq > 80.0) & (freq < 220.0)
+    assert np.all(target.density >= sensors)
+    # 4 realisations of 280 lines: 3 % of the sum, and 1/sqrt(4 x 9) = 17 % of each smoothed line.
+    assert target.density[0, band].sum() == pytest.approx(expected[band].sum(), rel=0.1)
+    assert freq[np.argmax(target.density[0])] == pytest.approx(150.0, rel=0.1)
+
+
+def test_without_noise_of_the_excitation_nothing_is_carried():
+    evaluator = evaluator_of(measured(Hypothesis(oscillator()), sweep(512)))
+
+    (target,) = carry_noise(evaluator, Hypothesis(oscillator()), np.random.default_rng(4))
+
+    assert target is evaluator.targets[0]
+
+
+def test_threads_change_nothing():
+    truth = Hypothesis(REFERENCE)
+    pairs = [measured(truth, multisine(512, seed=k), name=f"run {k}") for k in range(3)]
+    hypotheses = [(truth, None), (moved(REFERENCE, *[0.5] * 9), "run 1"), (moved(REFERENCE, *[-0.5] * 9), None)]
+
+    serial = evaluator_of(*pairs, jobs=1).residuals(hypotheses)
+    parallel = evaluator_of(*pairs, jobs=2).residuals(hypotheses)
+
+    for one, other in zip(serial, parallel, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_only_the_named_record_is_simulated():
+    truth = Hypothesis(oscillator())
+    evaluator = evaluator_of(*[measured(truth, sweep(512), name=name) for name in ("a", "b")])
+
+    whole, part = evaluator.residuals([(truth, None), (truth, "b")])
+
+    half = evaluator.n_data // 2
+    assert np.all(part[:half] == 0.0)
+    np.testing.assert_array_equal(part[half:], whole[half:])
+    assert evaluator.n_runs == 3
+
+
+def test_a_motion_without_bound_has_no_residual_and_spoils_no_other():
+    rig = oscillator()
+    evaluator = evaluator_of(measured(Hypothesis(rig), sweep(512)))
+    mad = Hypothesis(rig, values={"damping": -1e6})
+
+    sane, gone = evaluator.residuals([(Hypothesis(rig), None), (mad, None)])
+
+    assert gone is None
+    np.testing.assert_array_equal(sane, evaluator.residuals([(Hypothesis(rig), None)])[0])
+
+
+def test_no_hypotheses_no_residuals():
+    assert Evaluator([Target.of(*measured(Hypothesis(oscillator()), sweep(512)))], 1).residuals([]) == []

@@ -1,0 +1,182 @@
+"""The fit: exact where the problem is linear, within its bounds, and back to the truth from a wrong start."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from trial_records import REFERENCE, evaluator_of, measured, moved, multisine, oscillator, sweep
+
+from identification.fit import fit
+from identification.hypothesis import Hypothesis, OffsetUnknown, RigUnknown, StartUnknown, Unknown, rig_unknowns
+from identification.prepare import start_unknowns
+
+
+@dataclass(frozen=True)
+class Number(Unknown):
+    """A number in a hypothesis that nobody simulates."""
+
+    name: str
+    lower: float = -np.inf
+    upper: float = np.inf
+    prior: bool = False
+    step: float = 1e-3
+    record: str | None = None
+
+    def get(self, hypothesis):
+        return hypothesis.values.get(self.name, 0.0)
+
+    def set(self, hypothesis, x):
+        return replace(hypothesis, values={**hypothesis.values, self.name: min(max(x, self.lower), self.upper)})
+
+
+class Linear:
+    """Residuals A x - b, and how often they were asked for."""
+
+    jobs, targets = 1, ()
+
+    def __init__(self, matrix, right, unknowns):
+        self.matrix, self.right, self.unknowns = matrix, right, unknowns
+        self.n_data, self.n_asked = len(right), 0
+
+    def residuals(self, hypotheses):
+        self.n_asked += len(hypotheses)
+        return [self.matrix @ [u.get(h) for u in self.unknowns] - self.right for h, _ in hypotheses]
+
+
+RNG = np.random.default_rng(1)
+MATRIX, RIGHT = 30.0 * RNG.standard_normal((40, 3)), 30.0 * RNG.standard_normal(40)
+NAMES = ("a", "b", "c")
+NOWHERE = Hypothesis(oscillator())
+
+
+@pytest.mark.parametrize("prior", [False, True])
+def test_a_linear_problem_is_solved_exactly(prior):
+    unknowns = tuple(Number(name, prior=prior) for name in NAMES)
+    normal = MATRIX.T @ MATRIX + prior * np.eye(3)
+
+    found = fit(Linear(MATRIX, RIGHT, unknowns), NOWHERE, unknowns)
+
+    best = np.linalg.solve(normal, MATRIX.T @ RIGHT)
+    # The last step is the one that no longer pays, and the damping leaves 1e-4 of it or less.
+    np.testing.assert_allclose([u.get(found.hypothesis) for u in unknowns], best, atol=1e-6)
+    np.testing.assert_allclose(found.covariance, np.linalg.inv(normal), rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(found.jacobian, MATRIX.T, rtol=1e-6, atol=1e-6)
+    assert found.chi2 == pytest.approx(np.sum((MATRIX @ best - RIGHT) ** 2), rel=1e-9)
+    assert found.penalty == pytest.approx(prior * best @ best, abs=1e-4)  # a difference of two costs of 1e4
+    assert found.cost == found.chi2 + found.penalty
+    assert found.ratio == pytest.approx(np.sqrt(found.chi2 / 40))
+
+
+def test_a_far_minimum_is_reached_in_bounded_steps():
+    unknowns = (Number("a"),)
+    problem = Linear(np.full((5, 1), 100.0), np.full(5, 700.0), unknowns)
+
+    assert fit(problem, NOWHERE, unknowns, max_iterations=1).hypothesis.values["a"] == pytest.approx(2.0)
+    assert fit(problem, NOWHERE, unknowns).hypothesis.values["a"] == pytest.approx(7.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("at_start", [0.0, 0.1], ids=["inside", "at the bound"])
+def test_bounds_hold_and_the_others_settle_beside_them(at_start):
+    best = np.linalg.lstsq(MATRIX, RIGHT, rcond=None)[0]
+    bound = 0.1 if best[0] > 0.1 else best[0] - 0.2
+    unknowns = (Number("a", upper=bound), Number("b"), Number("c"))
+    start = replace(NOWHERE, values={"a": min(at_start, bound)})
+
+    found = fit(Linear(MATRIX, RIGHT, unknowns), start, unknowns)
+
+    others = np.linalg.lstsq(MATRIX[:, 1:], RIGHT - MATRIX[:, 0] * bound, rcond=None)[0]
+    np.testing.assert_allclose([u.get(found.hypothesis) for u in unknowns], [bound, *others], atol=1e-4)
+
+
+def test_known_columns_are_not_formed_again():
+    unknowns = tuple(Number(name) for name in NAMES)
+    fresh, known = Linear(MATRIX, RIGHT, unknowns), Linear(MATRIX, RIGHT, unknowns)
+
+    fit(fresh, NOWHERE, unknowns)
+    found = fit(known, NOWHERE, unknowns, jacobian=MATRIX.T, keep=True)
+
+    assert known.n_asked < fresh.n_asked
+    np.testing.assert_allclose(
+        [u.get(found.hypothesis) for u in unknowns], np.linalg.lstsq(MATRIX, RIGHT, rcond=None)[0], atol=1e-6
+    )
+
+
+def test_a_misfit_widens_the_intervals():
+    unknowns = (Number("a"),)
+    small = fit(Linear(np.ones((50, 1)) * 10, np.zeros(50), unknowns), NOWHERE, unknowns)
+    large = fit(Linear(np.ones((50, 1)) * 10, np.tile([5.0, -5.0], 25), unknowns), NOWHERE, unknowns)
+
+    assert large.std()[0] == pytest.approx(5.0 * small.std()[0], rel=1e-6)
+
+
+def test_a_start_that_diverges_is_refused():
+    evaluator = evaluator_of(measured(NOWHERE, sweep(512)))
+
+    with pytest.raises(ArithmeticError, match="start from diverges"):
+        fit(evaluator, replace(NOWHERE, values={"damping": -1e6}), ())
+
+
+@pytest.mark.parametrize(
+    ("rig", "sigmas", "force"),
+    [
+        (oscillator(), (1.0, -1.5, 2.0), multisine()),
+        (REFERENCE, (1.0, -1.5, 1.0, 1.2, -1.0, 1.5, -1.0, 0.8, -1.4), multisine(3072, rms=2.0, low=10.0)),
+    ],
+    ids=["oscillator", "beam"],
+)
+def test_perturbed_numbers_come_back(rig, sigmas, force):
+    truth = moved(rig, *sigmas)
+    evaluator = evaluator_of(measured(truth, force))
+    unknowns = rig_unknowns(rig)
+
+    found = fit(evaluator, Hypothesis(rig), unknowns)
+
+    errors = [(u.get(found.hypothesis) - s) / std for u, s, std in zip(unknowns, sigmas, found.std(), strict=True)]
+    assert np.abs(errors).max() < 4.0
+    assert found.ratio == pytest.approx(1.0, abs=0.1)
+    # Young's modulus, or the spring, is told far better than it was known.
+    assert min(found.std()) < 0.1
+
+
+def test_what_is_known_beforehand_stays_where_the_data_are_silent():
+    rig = oscillator(freq=60.0)
+    evaluator = evaluator_of(measured(Hypothesis(rig), 1e-3 * multisine(1024), noise=1e3))
+
+    found = fit(evaluator, Hypothesis(rig), rig_unknowns(rig))
+
+    np.testing.assert_allclose(found.std(), 1.0, atol=0.05)
+
+
+def test_starts_of_two_records_are_kept_apart():
+    rig = oscillator("velocity")
+    truth = Hypothesis(rig)
+    for entry, scale in enumerate((1e-3, 0.5)):
+        truth = StartUnknown(entry, 2, scale, "a").set(truth, 1.0)
+        truth = StartUnknown(entry, 2, scale, "b").set(truth, -2.0)
+    pairs = [measured(truth, sweep(768), seed=k, name=name, moving_start=True) for k, name in enumerate("ab")]
+    evaluator = evaluator_of(*pairs)
+    unknowns = start_unknowns(Hypothesis(rig), [record for record, _ in pairs])
+
+    found = fit(evaluator, Hypothesis(rig), unknowns)
+
+    half = evaluator.n_data // 2
+    for unknown, row, std in zip(unknowns, found.jacobian, found.std(), strict=True):
+        own, other = (row[:half], row[half:]) if unknown.record == "a" else (row[half:], row[:half])
+        assert np.any(own != 0.0)
+        assert np.all(other == 0.0)
+        assert abs(unknown.get(found.hypothesis) - unknown.get(truth)) < 4.0 * std
+    assert found.ratio == pytest.approx(1.0, abs=0.1)
+
+
+def test_the_rest_reading_of_a_channel_is_found():
+    rig = oscillator("displacement")
+    record, noise = measured(Hypothesis(rig), sweep(2048), moving_start=True)
+    shifted = replace(record, excitation=record.excitation + 0.8)
+    unknowns = start_unknowns(Hypothesis(rig), [shifted])
+
+    found = fit(evaluator_of((shifted, noise)), Hypothesis(rig), unknowns)
+
+    offset = next(i for i, u in enumerate(unknowns) if isinstance(u, OffsetUnknown))
+    error = found.hypothesis.offsets["test"] - 0.8
+    assert abs(error) < 4.0 * found.std()[offset] * unknowns[offset].scale
+    assert not any(isinstance(u, RigUnknown) for u in unknowns)

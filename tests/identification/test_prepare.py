@@ -1,0 +1,166 @@
+"""Records made ready: the horizon of chaos, windows within it, and steps fine enough for the noise."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from trial_records import FS, REFERENCE, evaluator_of, measured, oscillator, sweep
+
+from identification.evaluate import Evaluator, Target, scored_spectrum, whitened
+from identification.hypothesis import Hypothesis, OffsetUnknown, StartUnknown
+from identification.noise import Noise
+from identification.prepare import (
+    MIN_SAMPLES,
+    PREDICTABLE_GROWTH,
+    RESOLVED,
+    Horizon,
+    cut_to,
+    horizons,
+    level,
+    prepare,
+    resolved,
+    start_unknowns,
+)
+from models.effects import Place
+from models.effects.cubic_stiffness import CubicStiffness
+from models.record import Record
+from models.rig import Excitation, Oscillator, Rig, Sensor
+from models.simulate import Settings
+
+
+def ueda(force, seconds=400.0, fs=10.0):
+    """Ueda's oscillator x'' + 0.05 x' + x^3 = force cos t: chaotic under 7.5, along a line under 0.05."""
+    rig = Rig(
+        structure=Oscillator(kind="oscillator", mass=1.0, stiffness=0.0, damping=0.05),
+        excitation=Excitation(quantity="force"),
+        sensors=(Sensor(name="top", quantity="velocity"),),
+    )
+    time = np.arange(round(seconds * fs)) / fs
+    record = Record("ueda", fs, force * np.cos(time), ("top",), np.zeros((1, len(time))))
+    noise = Noise(np.ones(1), 0.0, "", "")
+    evaluator = Evaluator([Target.of(record, noise)], 1, Settings(steps_per_sample=20))
+    return evaluator, Hypothesis(rig, effects=(CubicStiffness(Place(), stiffness=1.0),))
+
+
+def test_chaos_has_a_horizon_where_its_exponent_says():
+    (found,) = horizons(*ueda(7.5))
+
+    # Largest exponent 0.1 1/s (Ueda 1979): a growth of 300 after about 57 s; it fluctuates along the path.
+    assert 20.0 < found.seconds < 150.0
+    assert found.growth > 1e3 * PREDICTABLE_GROWTH
+
+
+def test_a_linear_rig_is_predicted_to_the_end():
+    evaluator = evaluator_of(measured(Hypothesis(oscillator()), sweep(2048)))
+
+    (found,) = horizons(evaluator, Hypothesis(oscillator()))
+
+    assert (found.record, found.seconds) == ("test", 1.0)
+    assert found.growth < 2.0
+
+
+def test_a_free_decay_is_not_disturbed():
+    record, noise = measured(Hypothesis(oscillator()), sweep(1024))
+
+    (found,) = horizons(evaluator_of((replace(record, excitation=None), noise)), Hypothesis(oscillator()))
+
+    assert (found.growth, found.seconds) == (0.0, 0.5)
+
+
+@pytest.fixture
+def three():
+    """Records of 1, 2 and 3 s, the longest the quietest."""
+    rows = [(2048, 30.0, "short"), (4096, 20.0, "middle"), (6144, 10.0, "long")]
+    return evaluator_of(*[measured(Hypothesis(oscillator()), sweep(n, a), name=name) for n, a, name in rows])
+
+
+def limits_of(evaluator, *seconds):
+    return [Horizon(t.record.name, 1.0, s) for t, s in zip(evaluator.targets, seconds, strict=True)]
+
+
+def lengths(evaluator):
+    return {t.record.name: t.record.duration for t in evaluator.targets}
+
+
+def test_time_is_shared_and_what_one_leaves_the_others_take(three):
+    cut = cut_to(three, 4.5, limits_of(three, 1.0, 0.5, 3.0))
+
+    assert lengths(cut) == pytest.approx({"short": 1.0, "middle": 0.5, "long": 3.0}, abs=1e-3)
+    assert sum(lengths(cut_to(three, 2.4, limits_of(three, 1.0, 2.0, 3.0))).values()) == pytest.approx(2.4, abs=1e-2)
+
+
+def test_nothing_is_kept_beyond_its_horizon(three):
+    cut = cut_to(three, float("inf"), limits_of(three, 0.4, 0.5, 0.6))
+
+    assert lengths(cut) == pytest.approx({"short": 0.4, "middle": 0.5, "long": 0.6}, abs=1e-3)
+
+
+def test_a_record_is_never_shorter_than_a_few_waves(three):
+    cut = cut_to(three, 0.01, limits_of(three, 1.0, 2.0, 3.0))
+
+    assert {t.record.n_samples for t in cut.targets} == {MIN_SAMPLES}
+
+
+@pytest.mark.parametrize(("most", "kept"), [(1, {"short"}), (2, {"short", "long"}), (5, {"short", "middle", "long"})])
+def test_of_many_records_the_loudest_and_the_quietest_are_kept(three, most, kept):
+    assert set(lengths(cut_to(three, 10.0, limits_of(three, 1.0, 2.0, 3.0), most))) == kept
+
+
+def test_the_level_is_that_of_the_excitation_or_else_of_the_response():
+    record, _ = measured(Hypothesis(oscillator()), sweep(1024))
+
+    assert level(record) == pytest.approx(np.sqrt(np.mean(record.excitation**2)))
+    assert level(replace(record, excitation=None)) == pytest.approx(np.sqrt(np.mean(record.responses**2)))
+
+
+@pytest.mark.parametrize(
+    ("quantity", "kinds"),
+    [("acceleration", [StartUnknown] * 2), ("displacement", [StartUnknown, StartUnknown, OffsetUnknown])],
+)
+def test_a_moving_start_is_unknown(quantity, kinds):
+    record, _ = measured(Hypothesis(oscillator(quantity)), sweep(512), moving_start=True)
+
+    assert [type(u) for u in start_unknowns(Hypothesis(oscillator(quantity)), [record])] == kinds
+    assert start_unknowns(Hypothesis(oscillator(quantity)), [replace(record, moving_start=False)]) == ()
+
+
+def test_the_start_of_a_mode_above_the_band_is_not_unknown():
+    record, _ = measured(Hypothesis(REFERENCE), sweep(512), moving_start=True)
+    slow = replace(record, fs=256.0)
+
+    assert len(start_unknowns(Hypothesis(REFERENCE), [slow])) < len(start_unknowns(Hypothesis(REFERENCE), [record]))
+
+
+def test_steps_are_halved_until_the_noise_hides_them():
+    rig = oscillator("velocity")
+    truth = Hypothesis(rig, effects=(CubicStiffness(Place(), stiffness=1e12),))
+    pair = measured(truth, sweep(1024, amplitude=200.0), noise=1e-4, settings=Settings(steps_per_sample=64))
+    coarse = evaluator_of(pair, settings=Settings(steps_per_sample=1))
+
+    fine = resolved(coarse, truth)
+
+    def error(evaluator):
+        exact = truth.simulated(pair[0], Settings(steps_per_sample=64)).channels
+        there = evaluator.responses(truth)[0].channels
+        return np.sqrt(np.mean(whitened(scored_spectrum(there - exact), evaluator.targets[0]) ** 2))
+
+    assert fine.settings.steps_per_sample > 1
+    assert error(fine) < RESOLVED < error(coarse)
+
+
+def test_steps_that_are_fine_enough_stay():
+    truth = Hypothesis(oscillator())
+    evaluator = evaluator_of(measured(truth, sweep(512), noise=0.05))
+
+    assert resolved(evaluator, truth) is evaluator
+
+
+def test_preparing_estimates_and_carries_the_noise():
+    rig = oscillator()
+    record, noise = measured(Hypothesis(rig), sweep(4096), noise=0.01, force_noise=0.01)
+
+    (target,) = prepare(Hypothesis(rig), [record], 1, np.random.default_rng(0)).targets
+
+    assert target.noise.sensors == pytest.approx(noise.sensors, rel=0.15)
+    assert target.density.max() > 1.5 * target.density.min()
+    assert target.record.fs == FS

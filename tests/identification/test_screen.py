@@ -1,0 +1,116 @@
+"""The screening: what the rig's numbers explain gains nothing, and a linear effect is sized exactly."""
+
+import numpy as np
+import pytest
+from test_fit import Number
+from trial_records import REFERENCE, evaluator_of, measured, multisine, oscillator
+
+from identification.fit import Fit, fit
+from identification.hypothesis import Hypothesis, rig_unknowns
+from identification.screen import LARGEST_FACTOR, Projection, Suspect, promising, screen
+from models.effects import Place
+from models.effects.coulomb_friction import CoulombFriction
+from models.effects.point_mass import PointMass
+from models.effects.sensor_gain import SensorGain
+from models.effects.youngs_modulus import YoungsModulus
+
+RNG = np.random.default_rng(1)
+ROWS, RESIDUAL = RNG.standard_normal((3, 60)), RNG.standard_normal(60)
+
+
+def base_of(residual=RESIDUAL, *, prior=False):
+    unknowns = tuple(Number(name, prior=prior) for name in "abc")
+    chi2 = float(residual @ residual)
+    return Fit(Hypothesis(oscillator()), unknowns, chi2, 0.0, len(residual), residual, ROWS, np.eye(3))
+
+
+def test_what_the_fits_unknowns_could_do_gains_nothing():
+    change = ROWS.T @ np.array([0.3, -1.0, 0.7])
+
+    assert Projection(base_of()).gain(change) == (0.0, 1.0)
+
+
+def test_what_the_prior_forbids_the_unknowns_gains_something():
+    change = ROWS.T @ np.array([0.3, -1.0, 0.7])
+
+    gain, _ = Projection(base_of(-change, prior=True)).gain(change)
+
+    # The numbers themselves pay the prior for it; the effect does not.
+    assert 0.0 < gain < 0.3**2 + 1.0 + 0.7**2
+
+
+@pytest.mark.parametrize("prior", [False, True])
+def test_the_gain_is_that_of_least_squares_with_one_more_column(prior):
+    own = RNG.standard_normal(60)
+    residual = -1.3 * own + ROWS.T @ np.array([1.0, 0.0, 2.0]) + 0.1 * RESIDUAL
+    damped = np.vstack([ROWS.T, prior * np.eye(3)])
+    right = np.concatenate([residual, np.zeros(3)])
+    column = np.concatenate([own, np.zeros(3)])[:, None]
+
+    def least(matrix):
+        solution = np.linalg.lstsq(matrix, -right, rcond=None)[0]
+        return np.sum((matrix @ solution + right) ** 2), solution[-1]
+
+    gain, factor = Projection(base_of(residual, prior=prior)).gain(own)
+
+    assert gain == pytest.approx(least(damped)[0] - least(np.hstack([damped, column]))[0])
+    assert factor == pytest.approx(least(np.hstack([damped, column]))[1])
+
+
+def test_a_size_is_believed_only_within_its_range():
+    _, factor = Projection(base_of(-50.0 * RESIDUAL)).gain(RESIDUAL)
+
+    assert factor == LARGEST_FACTOR
+
+
+@pytest.fixture(scope="module")
+def misread():
+    """A beam whose sensor P4 reads four fifths, calibrated."""
+    truth = Hypothesis(REFERENCE, effects=(SensorGain(Place(sensor="P4"), gain=0.8),))
+    evaluator = evaluator_of(measured(truth, multisine(2048, rms=2.0)))
+    return evaluator, fit(evaluator, Hypothesis(REFERENCE), rig_unknowns(REFERENCE), max_iterations=3)
+
+
+def test_the_gain_of_a_sensor_is_found_exactly(misread):
+    told = []
+
+    first, *others = screen(*misread, {"sensor_gain": SensorGain}, told.append)
+
+    assert first.effect.place == Place(sensor="P4")
+    # The rig's numbers moved a little to please the wrong channel; linear in the gain, so the noise is the rest.
+    assert first.effect.gain == pytest.approx(0.8, abs=0.01)
+    assert first.gain > 20.0 * max(s.gain for s in others if s.effect.place != first.effect.place)
+    assert "8 trials" in told[0]
+
+
+def test_an_effect_that_the_tolerance_covers_is_no_suspect(misread):
+    evaluator, base = misread
+    registry = {"sensor_gain": SensorGain, "youngs_modulus": YoungsModulus}
+
+    best = {}
+    for suspect in screen(evaluator, base, registry, lambda _: None):
+        best.setdefault(suspect.effect.kind, suspect.gain)
+
+    assert best["youngs_modulus"] < 0.05 * best["sensor_gain"]
+
+
+def test_an_effect_already_there_is_not_tried_again(misread):
+    evaluator, base = misread
+    known = SensorGain(Place(sensor="P4"), gain=0.8)
+    there = fit(evaluator, base.hypothesis.with_effects(known), base.unknowns, max_iterations=1)
+
+    places = {s.effect.place.sensor for s in screen(evaluator, there, {"sensor_gain": SensorGain}, lambda _: None)}
+
+    assert places == {"P1", "P2", "P3", "P5", "P6", "P7", "P8"}
+
+
+def test_the_promising_are_few_of_each_kind_and_one_a_place():
+    def mass(position, gain):
+        return Suspect(PointMass(Place(position=position), mass=0.1), gain)
+
+    suspects = [mass(0.5, 9.0), mass(0.5, 8.0), mass(0.7, 7.0), mass(0.9, 6.0)]
+    suspects += [Suspect(CoulombFriction(Place(), 1.0, 1e-3, against), 5.0) for against in ("ground", "base")]
+
+    kept = promising(sorted(suspects, key=lambda s: -s.gain), 2)
+
+    assert [s.gain for s in kept] == [9.0, 7.0, 5.0, 5.0]

@@ -1,0 +1,64 @@
+"""Rigs and records whose truth is known, for the tests of the identification."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from identification.evaluate import Evaluator, Target
+from identification.hypothesis import Hypothesis
+from identification.noise import Noise
+from models.record import Record
+from models.rig import Excitation, Oscillator, Rig, Sensor
+from models.rig_file import read_rig
+from models.simulate import Settings
+from testbed.virtual.excitations import logarithmic_sweep, random_phase_multisine
+
+REFERENCE = read_rig(Path(__file__).parents[1] / "data" / "reference_rig.toml")
+FS = 2048.0
+NOISE = 0.005
+"""Of each channel, as a share of its rms."""
+
+
+def oscillator(quantity="acceleration", *, freq=60.0, damping_ratio=0.03, **tolerances):
+    """A mass of 2 kg on a spring, driven by a force."""
+    mass, omega = 2.0, 2.0 * np.pi * freq
+    return Rig(
+        structure=Oscillator(
+            kind="oscillator", mass=mass, stiffness=mass * omega**2, damping=2.0 * damping_ratio * omega * mass
+        ),
+        tolerances=tolerances or {"mass": 0.01, "stiffness": 0.03, "damping": 0.1},
+        excitation=Excitation(quantity="force"),
+        sensors=(Sensor(name="top", quantity=quantity),),
+    )
+
+
+def multisine(n=2048, periods=1, rms=20.0, low=5.0, high=250.0, seed=1):
+    return random_phase_multisine(np.random.default_rng(seed), FS, n, periods, low, high, rms)
+
+
+def sweep(n=2048, amplitude=20.0, low=10.0, high=250.0):
+    return logarithmic_sweep(FS, n, low, high, amplitude)
+
+
+def measured(truth, force, *, noise=NOISE, force_noise=0.0, seed=3, name="test", settings=Settings(), **changes):  # noqa: B008
+    """What a test of the true hypothesis records under this force: white noise on every channel; and the noise."""
+    rng = np.random.default_rng(seed)
+    names = tuple(sensor.name for sensor in truth.rig.sensors)
+    silent = Record(name, FS, force.copy(), names, np.zeros((len(names), len(force))), **changes)
+    clean = truth.simulated(silent, settings).channels
+    sensors = noise * clean.std(axis=1)
+    heard = clean + sensors[:, None] * rng.standard_normal(clean.shape)
+    felt = force + force_noise * force.std() * rng.standard_normal(len(force))
+    return replace(silent, excitation=felt, responses=heard), Noise(sensors, force_noise * float(force.std()), "", "")
+
+
+def evaluator_of(*pairs, jobs=1, settings=Settings()):  # noqa: B008
+    """An evaluator that knows the noise of its (record, noise) pairs."""
+    return Evaluator([Target.of(record, noise) for record, noise in pairs], jobs, settings)
+
+
+def moved(rig, *sigmas):
+    """The rig's toleranced numbers, moved by so many of their standard deviations."""
+    parameters = rig.parameters()
+    return Hypothesis(rig, values={p.path: p.value + s * p.std for p, s in zip(parameters, sigmas, strict=True)})
