@@ -54,9 +54,7 @@ def test_short_windows_first_bring_back_a_phase_that_ran_away():
     "rms",
     [
         2.0,
-        pytest.param(
-            10.0, marks=pytest.mark.xfail(reason="the numbers end 7 of their deviations off, at a ratio of 1")
-        ),
+        pytest.param(10.0, marks=pytest.mark.xfail(reason="numbers end 7 of their deviations off, at a ratio of 1")),
         40.0,
     ],
 )

@@ -1,0 +1,105 @@
+"""Once round the loop on rigs whose truth is known: nothing, a wrong sensor, a hardening spring, and the unknown."""
+
+from types import MappingProxyType
+
+import numpy as np
+import pytest
+from trial_records import REFERENCE, measured, moved, multisine, oscillator
+
+from identification.diagnose import diagnose
+from identification.hypothesis import Hypothesis
+from models.effects import EFFECTS, Place
+from models.effects.cubic_stiffness import CubicStiffness
+from models.effects.sensor_gain import SensorGain
+
+BUILT = moved(REFERENCE, 0.5, -0.4, 0.3, 0.5, -0.5, 0.4, -0.6, 0.3, -0.2)
+"""The beam as it was built, within the tolerances of its description."""
+
+
+def few(*kinds):
+    return MappingProxyType({kind: EFFECTS[kind] for kind in kinds})
+
+
+def learnt_from(truth, rig, *, rms, low=10.0, registry=EFFECTS, holdout=()):
+    record, _ = measured(truth, multisine(4096, rms=rms, low=low), name="multisine")
+    kept = [measured(truth, multisine(2048, rms=rms, low=low, seed=s), seed=s, name=f"kept {s}")[0] for s in holdout]
+    return diagnose(rig, [record], kept, registry=registry, jobs=1)
+
+
+def test_where_nothing_is_hidden_the_model_is_complete():
+    rig = oscillator()
+
+    found = learnt_from(moved(rig, 0.5, -0.8, 1.0), rig, rms=20.0, holdout=(7,))
+
+    assert (found.verdict, found.added, found.candidates) == ("complete", (), ())
+    assert [stage.label for stage in found.stages] == ["as given", "calibrated"]
+    assert found.final.score.nrmse == pytest.approx(found.final.score.noise_nrmse, rel=0.2)
+    assert found.holdout["updated"].nrmse < 0.3 * found.holdout["as given"].nrmse
+    assert any("complete" in decision for decision in found.decisions)
+
+
+@pytest.mark.slow
+def test_a_sensor_that_reads_wrong_is_found():
+    truth = Hypothesis(REFERENCE, BUILT.values, effects=(SensorGain(Place(sensor="P4"), gain=0.8),))
+
+    found = learnt_from(truth, REFERENCE, rms=2.0, registry=few("sensor_gain", "point_mass", "force_gain"))
+
+    assert found.verdict == "missing_effect"
+    (added,) = found.added
+    assert (added.effect.kind, added.effect.place.sensor) == ("sensor_gain", "P4")
+    (gain,) = added.estimates
+    assert abs(gain.value - 0.8) < max(4.0 * gain.std, 0.004)
+    assert added.probability > 0.9
+    assert found.candidates[0].effect.kind == "sensor_gain"
+
+
+@pytest.mark.parametrize(
+    "rms",
+    [
+        10.0,
+        pytest.param(
+            30.0,
+            marks=[
+                pytest.mark.slow,
+                pytest.mark.xfail(reason="first in the screening, but its sketch ends worse than the calibrated rig"),
+            ],
+        ),
+    ],
+)
+def test_a_hardening_spring_is_found(rms):
+    rig = oscillator("displacement")
+    stiffness = 0.3 * rig.structure.stiffness / 1e-3**2
+    truth = Hypothesis(rig, effects=(CubicStiffness(Place(), stiffness=stiffness),))
+
+    found = learnt_from(truth, rig, rms=rms, holdout=(7,))
+
+    assert found.verdict == "missing_effect"
+    assert [added.effect.kind for added in found.added] == ["cubic_stiffness"]
+    (estimate,) = found.added[0].estimates
+    assert abs(estimate.value - stiffness) < 4.0 * estimate.std
+    assert found.holdout["updated"].nrmse < 1.5 * found.holdout["updated"].noise_nrmse
+    assert found.stages[-1].label == "+ cubic_stiffness"
+
+
+def test_what_the_library_lacks_is_called_unexplained():
+    rig = oscillator("displacement")
+    stiffness = 0.3 * rig.structure.stiffness / 1e-3**2
+    truth = Hypothesis(rig, effects=(CubicStiffness(Place(), stiffness=stiffness),))
+
+    found = learnt_from(truth, rig, rms=10.0, registry=few("sensor_gain", "force_gain"))
+
+    assert (found.verdict, found.added) == ("unexplained", ())
+    assert found.final.label == "calibrated"
+    assert not np.any([stage.hypothesis.effects for stage in found.stages])
+    assert any("unexplained" in decision for decision in found.decisions)
+
+
+def test_what_is_decided_is_told():
+    told, rig = [], oscillator()
+    record, _ = measured(Hypothesis(rig), multisine(2048))
+
+    found = diagnose(rig, [record], jobs=1, seed=5, progress=told.append)
+
+    assert set(found.decisions) <= set(told)
+    assert found.seed == 5
+    assert found.seconds > 0.0

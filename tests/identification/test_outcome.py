@@ -1,0 +1,145 @@
+"""What a person reads: numbers in their units, groups that cannot be told apart, and the next experiment."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from trial_records import REFERENCE, oscillator
+
+from identification.fit import Fit
+from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
+from identification.judge import Ranked
+from identification.outcome import (
+    CHAOTIC,
+    LARGEST_LOG_STD,
+    added_effects,
+    candidates_of,
+    effect_estimates,
+    groups_of,
+    next_experiment,
+    rig_estimates,
+)
+from identification.prepare import Horizon
+from models.effects import Place
+from models.effects.point_damping import PointDamping
+from models.effects.point_mass import PointMass
+from models.effects.sensor_gain import SensorGain
+
+MASS = PointMass(Place(position=0.7), mass=0.3)
+DAMPING = PointDamping(Place(position=0.7), damping=2.0)
+GAIN = SensorGain(Place(sensor="P3"), gain=0.5)
+
+
+def fit_of(hypothesis, unknowns, std, ratio=1.0):
+    n, n_data = len(unknowns), 100
+    covariance = np.diag(np.broadcast_to(std, n).astype(float) ** 2)
+    zeros = np.zeros((n, n_data))
+    return Fit(hypothesis, tuple(unknowns), ratio**2 * n_data, 0.0, n_data, np.zeros(n_data), zeros, covariance)
+
+
+def effect_fit(*effects, std=0.01, ratio=1.0):
+    hypothesis = Hypothesis(REFERENCE, effects=effects)
+    return fit_of(hypothesis, effect_unknowns(hypothesis), std, ratio)
+
+
+def ranked(effect, log_evidence=0.0, ratio=1.0):
+    return Ranked(effect, effect_fit(effect, ratio=ratio), refitted=True, log_evidence=log_evidence)
+
+
+def test_a_number_of_the_rig_is_told_in_its_unit_and_widened_by_the_misfit():
+    rig = oscillator()
+    unknowns = rig_unknowns(rig)
+    hypothesis = unknowns[0].set(Hypothesis(rig), 1.5)
+
+    rows = {e.name: e for e in rig_estimates(fit_of(hypothesis, unknowns, 0.2))}
+    wide = {e.name: e for e in rig_estimates(fit_of(hypothesis, unknowns, 0.2, ratio=3.0))}
+
+    first = unknowns[0].parameter
+    assert rows[first.path].value == pytest.approx(first.value + 1.5 * first.std)
+    assert rows[first.path].std == pytest.approx(0.2 * first.std)
+    assert wide[first.path].std == pytest.approx(0.6 * first.std)
+    assert (set(rows), rows["mass"].unit) == ({"mass", "stiffness", "damping"}, "kg")
+
+
+def test_an_effects_numbers_are_told_with_its_place():
+    rows = {e.name: e for e in effect_estimates(effect_fit(MASS), 0)}
+
+    spread = PointMass.parameters()["mass"].spread
+    assert (rows["mass"].value, rows["mass"].unit) == (0.3, "kg")
+    assert rows["mass"].std == pytest.approx(0.3 * np.expm1(0.01 * spread))
+    assert rows["position"].value == 0.7
+    assert rows["position"].std == pytest.approx(0.01 * 1.469 / 20.0)
+
+
+def test_a_linear_number_has_a_deviation_in_its_own_unit():
+    (row,) = effect_estimates(effect_fit(GAIN), 0)
+
+    assert (row.name, row.value) == ("gain", 0.5)
+    assert row.std == pytest.approx(0.01 * 0.5)
+
+
+def test_a_number_that_nobody_knows_has_a_finite_deviation():
+    row = effect_estimates(effect_fit(MASS, std=1e9), 0)[-1]
+
+    assert row.std == pytest.approx(0.3 * np.expm1(LARGEST_LOG_STD))
+
+
+def test_each_of_two_effects_has_its_own_numbers():
+    result = effect_fit(GAIN, MASS)
+
+    assert {e.name for e in effect_estimates(result, 0)} == {"gain"}
+    assert {e.name for e in effect_estimates(result, 1)} == {"mass", "position"}
+
+
+def test_an_added_effect_has_the_probability_of_its_own_round():
+    rounds = [[ranked(GAIN, 0.0), ranked(MASS, -np.log(3.0))], [ranked(MASS, 0.0)]]
+
+    first, second = added_effects(effect_fit(GAIN, MASS), rounds)
+
+    assert (first.effect, first.probability) == (GAIN, pytest.approx(0.75))
+    assert (second.effect, second.probability) == (MASS, pytest.approx(1.0))
+
+
+def test_candidates_stand_beside_the_best_with_errors_of_the_records():
+    evaluator = SimpleNamespace(targets=[SimpleNamespace(nrmse_of_noise=x) for x in (0.03, 0.04)])
+
+    best, other = candidates_of([ranked(MASS, -50.0), ranked(GAIN, -53.0, ratio=2.0)], [0.9, 0.05, 0.05], evaluator)
+
+    assert (best.log_evidence, other.log_evidence) == (0.0, -3.0)
+    assert other.nrmse == pytest.approx(2.0 * np.sqrt((0.03**2 + 0.04**2) / 2))
+    assert (best.probability, best.effect, other.refitted) == (0.9, MASS, True)
+
+
+def test_what_cannot_be_excluded_stands_in_one_group():
+    rows = [ranked(MASS), ranked(DAMPING), ranked(GAIN)]
+
+    assert groups_of(rows, [0.7, 0.29, 0.01, 0.0]) == ((MASS, DAMPING),)
+    assert groups_of(rows, [0.99, 0.005, 0.005, 0.0]) == ()
+    assert groups_of([], []) == ()
+
+
+CALM, WILD = [Horizon("a", 2.0, 1.0)], [Horizon("a", 2.0, 1.0), Horizon("b", 2.0 * CHAOTIC, 1.0)]
+
+
+@pytest.mark.parametrize(
+    ("verdict", "chances", "limits", "advice"),
+    [
+        ("missing_effect", [0.6, 0.4], WILD, "lower level"),
+        ("complete", [0.6, 0.4], CALM, "higher level"),
+        ("missing_effect", [0.6, 0.4], CALM, "two more levels"),
+        ("missing_effect", [0.99, 0.01], CALM, "hold-out record"),
+    ],
+)
+def test_the_next_experiment_tells_what_is_open(verdict, chances, limits, advice):
+    rows = [ranked(MASS), ranked(DAMPING)]
+
+    told = next_experiment(verdict, rows, chances, limits)
+
+    assert advice in told["do"]
+    assert told["why"]
+
+
+def test_two_places_of_one_kind_do_not_ask_for_more_levels():
+    rows = [ranked(MASS), ranked(PointMass(Place(position=0.9), mass=0.3))]
+
+    assert "hold-out" in next_experiment("missing_effect", rows, [0.6, 0.4], CALM)["do"]
