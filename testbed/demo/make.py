@@ -24,7 +24,7 @@ FS = 2048.0
 N_SAMPLES = 16384
 NOISE = Noise(response=0.005, excitation=0.005)
 HIDDEN = EffectEntry(kind="squeeze_film", sleeve="sleeve 2", damping=1.5)
-"""Its size leaves the calibrated model at about 14 times the noise."""
+"""Its size leaves the calibrated model at some 14 times the noise; ``testbed demo`` shows it."""
 
 
 def main() -> None:

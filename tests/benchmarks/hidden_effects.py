@@ -33,7 +33,9 @@ def main() -> None:
     """Run what is missing and write the table."""
     options = _options()
     (options.out / "cases").mkdir(parents=True, exist_ok=True)
-    todo = [task for task in tasks(options.cases, options.only) if not _path(options.out, options.seed, *task).exists()]
+    todo = [
+        task for task in tasks(options.cases, options.only) if not _is_done(_path(options.out, options.seed, *task))
+    ]
     print(f"{len(todo)} cases to do", file=sys.stderr)
     with ProcessPoolExecutor(options.jobs, mp_context=get_context("spawn")) as pool:
         running = {pool.submit(run_case, kind, options.seed, number): (kind, number) for kind, number in todo}
@@ -108,6 +110,11 @@ def described_effect(effect: Effect) -> Json:
 
 def _path(folder: Path, seed: int, kind: str, number: int) -> Path:
     return folder / "cases" / f"{kind}-{number}-seed{seed}.json"
+
+
+def _is_done(path: Path) -> bool:
+    """A case that failed is tried again."""
+    return path.exists() and "failure" not in json.loads(path.read_text(encoding="utf-8"))
 
 
 def _write(path: Path, case: Json) -> None:

@@ -1,10 +1,13 @@
 """How far the toleranced numbers of a rig can imitate an effect that its description lacks."""
 
+from math import inf
+
 import numpy as np
 from scipy.optimize import lsq_linear
 
 from models.arrays import FloatArray
 from models.effects import Effect
+from models.errors import DivergenceError
 from models.rig import Rig
 from tests.benchmarks.hidden_rigs import Trial, channels_of
 
@@ -39,7 +42,13 @@ class Imitation:
         self.floor = float(np.hypot(self._size(carried), noise))
 
     def shown(self, effect: Effect, rounds: int) -> float:
-        """Error of the model calibrated in so many rounds, over that of a perfect one."""
+        """Error of the model calibrated in so many rounds over that of a perfect one; infinite where it flies apart."""
+        try:
+            return self._shown(effect, rounds)
+        except DivergenceError:
+            return inf
+
+    def _shown(self, effect: Effect, rounds: int) -> float:
         target = self._stacked([channels_of(self.built, force, (effect,)) for force in self.forces])
         weight = self.floor / np.sqrt(target.size / len(self.forces))  # noise of one sample
         deviations, left = self.off, target - self._channels(self.off)
