@@ -3,9 +3,11 @@
 from math import inf
 
 import numpy as np
+from scipy import fft
 from scipy.optimize import lsq_linear
 
 from models.arrays import FloatArray
+from models.band_limit import SCORE_EDGE
 from models.effects import Effect
 from models.errors import DivergenceError
 from models.rig import Rig
@@ -19,6 +21,12 @@ STEP = 0.02
 
 SMALLEST_SHARE = 0.2
 """Of a Gauss-Newton step that is worth taking."""
+
+
+def in_band(channels: FloatArray) -> FloatArray:
+    """(n, 2 lines) real and imaginary parts of the spectra below the frequency up to which errors are judged."""
+    spectra = fft.rfft(channels, axis=1, norm="ortho")[:, : int(SCORE_EDGE * channels.shape[1]) + 1]
+    return np.sqrt(2.0) * np.hstack([spectra.real, spectra.imag])
 
 
 class Imitation:
@@ -36,10 +44,10 @@ class Imitation:
         self.drawn, self.built = trial.rig.parameters(), built
         self.off = np.array([(b.value - d.value) / d.std for b, d in zip(built.parameters(), self.drawn, strict=True)])
         plain = [channels_of(built, force) for force in self.forces]
-        self.scales = [float(np.linalg.norm(channels)) for channels in plain]
+        self.scales = [float(np.linalg.norm(in_band(channels))) for channels in plain]
         shaken = [force + noise * force.std() * rng.standard_normal(len(force)) for force in self.forces]
         carried = self._stacked([channels_of(built, force) for force in shaken]) - self._stacked(plain)
-        self.floor = float(np.hypot(self._size(carried), noise))
+        self.floor = float(np.hypot(self._size(carried), noise * np.sqrt(2.0 * SCORE_EDGE)))
 
     def shown(self, effect: Effect, rounds: int) -> float:
         """Error of the model calibrated in so many rounds over that of a perfect one; infinite where it flies apart."""
@@ -50,7 +58,7 @@ class Imitation:
 
     def _shown(self, effect: Effect, rounds: int) -> float:
         target = self._stacked([channels_of(self.built, force, (effect,)) for force in self.forces])
-        weight = self.floor / np.sqrt(target.size / len(self.forces))  # noise of one sample
+        weight = self.floor / np.sqrt(target.size / len(self.forces))  # noise of one entry
         deviations, left = self.off, target - self._channels(self.off)
         for _ in range(rounds):
             change = self._correction(deviations, left / weight, weight)
@@ -80,8 +88,8 @@ class Imitation:
         return self._stacked([channels_of(rig, force) for force in self.forces])
 
     def _stacked(self, channels: list[FloatArray]) -> FloatArray:
-        """All channels in a row, each record in units of its rms."""
-        return np.concatenate([c.ravel() / scale for c, scale in zip(channels, self.scales, strict=True)])
+        """Spectra of all channels in a row, each record in units of its size."""
+        return np.concatenate([in_band(c).ravel() / scale for c, scale in zip(channels, self.scales, strict=True)])
 
     def _size(self, stacked: FloatArray) -> float:
         """Rms over the records."""
