@@ -29,18 +29,22 @@ def recorder_gain(freq: FloatArray, fs: float) -> FloatArray:
     return 0.5 * (1.0 + np.cos(np.pi * share))
 
 
-def continued(signal: FloatArray, pad: int) -> FloatArray:
-    """The signal with ``pad`` tapered, odd-reflected samples at each end, on the last axis.
+def continued(signal: FloatArray, pad: int, length: int) -> FloatArray:
+    """The signal with ``pad`` tapered, odd-reflected samples at each end, then zeros, on the last axis.
 
     Args:
         signal: (..., N).
         pad: at most N - 1.
+        length: of the result, N + 2 pad at least.
     """
+    end = pad + signal.shape[-1]
     first, last = signal[..., :1], signal[..., -1:]
     taper = 0.5 * (1.0 + np.cos(np.pi * np.arange(1, pad + 1) / (pad + 1)))
-    before = (2.0 * first - signal[..., pad:0:-1]) * taper[::-1]
-    after = (2.0 * last - signal[..., -2 : -pad - 2 : -1]) * taper
-    return np.concatenate([before, signal, after], axis=-1)
+    long = np.zeros((*signal.shape[:-1], length))
+    long[..., :pad] = (2.0 * first - signal[..., pad:0:-1]) * taper[::-1]
+    long[..., pad:end] = signal
+    long[..., end : end + pad] = (2.0 * last - signal[..., -2 : -pad - 2 : -1]) * taper
+    return long
 
 
 def raise_rate(signal: FloatArray, factor: int, *, derivative: int = 0, for_linear_hold: bool = False) -> FloatArray:
@@ -58,10 +62,8 @@ def raise_rate(signal: FloatArray, factor: int, *, derivative: int = 0, for_line
     """
     n = signal.shape[-1]
     pad = min(PAD, n - 1)
-    padded = continued(signal, pad)
-    n_coarse = padded.shape[-1]
-    n_fast = fft.next_fast_len(n_coarse, real=True)
-    spectrum = fft.rfft(padded, n_fast)
+    n_fast = fft.next_fast_len(n + 2 * pad, real=True)
+    spectrum = fft.rfft(continued(signal, pad, n_fast))
     cycles = np.arange(spectrum.shape[-1]) / n_fast
     if n_fast % 2 == 0 and factor > 1:
         spectrum[..., -1] *= 0.5
@@ -90,14 +92,17 @@ def record_channels(
         (n, n_samples).
     """
     pad = min(PAD, n_samples - 1) * factor
-    padded = continued(fine[..., : (n_samples - 1) * factor + 1], pad)
-    n_fast = factor * fft.next_fast_len(-(-padded.shape[-1] // factor), real=True)
-    spectrum = fft.rfft(padded, n_fast)[..., : n_fast // factor // 2 + 1]
+    seen = fine[..., : (n_samples - 1) * factor + 1]
+    n_fast = factor * fft.next_fast_len(n_samples + 2 * pad // factor, real=True)
+    spectrum = fft.rfft(continued(seen, pad, n_fast))[..., : n_fast // factor // 2 + 1]
     freq = np.asarray(np.arange(spectrum.shape[-1]) * (factor * fs / n_fast), np.float64)
-    gain = recorder_gain(freq, fs)
-    if derivatives is not None:
-        order = np.asarray(derivatives)[:, None]
-        gain = gain * np.where(order == 0, 1.0, (2j * np.pi * freq)[None, :] ** order)
-    coarse = fft.irfft(spectrum * gain, n_fast // factor) / factor
+    gain = recorder_gain(freq, fs) / factor
+    if derivatives is None:
+        filtered = spectrum * gain
+    else:
+        orders = np.asarray(derivatives).astype(int)
+        of_order = {k: gain * (2j * np.pi * freq) ** k for k in set(orders.tolist())}
+        filtered = spectrum * np.stack([of_order[k] for k in orders.tolist()])
+    coarse = fft.irfft(filtered, n_fast // factor)
     start = pad // factor
     return np.ascontiguousarray(coarse[..., start : start + n_samples])

@@ -41,11 +41,11 @@ class Blocks:
 
     def displacement(self, rows: FloatArray) -> FloatArray:
         """(n_rows, 2n) displacements from the state, for rows (n_rows, m) by modal coordinate."""
-        return np.ascontiguousarray(rows @ self.to_modal[: rows.shape[1]])
+        return np.asarray(rows @ self.to_modal[: rows.shape[1]])
 
     def velocity(self, rows: FloatArray) -> FloatArray:
         """(n_rows, 2n) velocities from the state, for rows (n_rows, m) by modal coordinate."""
-        return np.ascontiguousarray(rows @ self.to_modal[rows.shape[1] :])
+        return np.asarray(rows @ self.to_modal[rows.shape[1] :])
 
 
 def to_blocks(omega: FloatArray, damping: FloatArray, inputs: FloatArray) -> Blocks:

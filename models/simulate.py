@@ -17,7 +17,7 @@ from models.propagator import Blocks
 from models.record import Record
 from models.rig import Sensor
 from models.step_tables import items_of, linear_of
-from models.stepping import march
+from models.stepping import Reading, march
 
 STEP_RATE = 8192.0
 """Steps per second at least; the reference rig then is within 0.1 % of the converged solution (docs/theory.md)."""
@@ -186,7 +186,7 @@ def _seen_of_base(seen: FloatArray, sensor: Sensor) -> FloatArray:
     return np.asarray(seen[("displacement", "velocity", "acceleration").index(sensor.quantity)])
 
 
-def _march(  # noqa: PLR0917
+def _march(
     model: ModalModel,
     drive: Drive,
     record: Record,
@@ -203,7 +203,7 @@ def _march(  # noqa: PLR0917
     out = np.empty((len(sensors), n_steps + 1))
     trace = np.empty((n_steps + 1 if keep_trace else 0, 2 * len(model.ports) + len(items.port)))
     state = np.zeros(len(system.from_modal)) if start is None else system.from_modal @ start
-    rows = _output_rows(model, system, sensors)
+    rows = Reading.of(_output_rows(model, system, sensors))
     done = march(linear, items, inputs, drive.base_motion, state, rows, out, trace, tolerance)
     if done < n_steps:
         raise DivergenceError(

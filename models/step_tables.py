@@ -9,7 +9,7 @@ from models.modal import ModalModel
 from models.ports import Port
 from models.propagator import Blocks, exact_step, to_blocks
 from models.rest import is_bilateral
-from models.stepping import Items, Linear
+from models.stepping import Items, Linear, Reading
 
 
 def linear_of(model: ModalModel, drive: Drive, h: float) -> tuple[Blocks, Linear, FloatArray]:
@@ -29,8 +29,8 @@ def linear_of(model: ModalModel, drive: Drive, h: float) -> tuple[Blocks, Linear
         in_end=step.end[columns],
         port_start=step.start[:n_ports],
         port_end=step.end[:n_ports],
-        q_rows=system.displacement(model.port_rows),
-        v_rows=system.velocity(model.port_rows),
+        q=Reading.of(system.displacement(model.port_rows)),
+        v=Reading.of(system.velocity(model.port_rows)),
         q_rest=model.rest.position,
         absolute=np.array([1.0 if port.frame == "ground" else 0.0 for port in model.ports]),
         h=h,

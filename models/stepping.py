@@ -26,15 +26,32 @@ LAST_OLD_SLOPE = 1
 MAX_SLOPE = 1e6
 """Slope of a force per unit of its own end value; more is met only where a difference straddles the gap's edge."""
 
-CHUNK = 64
-"""Steps after which the states are read out together, as one product of matrices."""
-
 FINITE = 1e30
-"""Beyond it a state counts as lost."""
+"""Beyond it a motion counts as lost."""
 
 OPTIONS: dict[str, Any] = {"nogil": True, "cache": True, "fastmath": {"contract", "reassoc", "nsz", "arcp"}}
 INLINE: dict[str, Any] = {**OPTIONS, "inline": "always"}
 """For what runs in every step: a call that hands over arrays would cost more than the arithmetic."""
+
+
+class Reading(NamedTuple):
+    """Rows that read something from the state, without the half of their columns that may be 0 in all of them.
+
+    Attributes:
+        rows: (n_rows, width) on the state from ``first`` on.
+        first: number of a column.
+    """
+
+    rows: FloatArray
+    first: int
+
+    @classmethod
+    def of(cls, rows: FloatArray) -> "Reading":
+        """Without the first or the last half of (n_rows, 2n) where it is 0."""
+        half = rows.shape[1] // 2
+        first = 0 if rows[:, :half].any() else half
+        last = 2 * half if rows[:, half:].any() else half
+        return cls(np.ascontiguousarray(rows[:, min(first, last - half) : last]), min(first, last - half))
 
 
 class Linear(NamedTuple):
@@ -44,7 +61,7 @@ class Linear(NamedTuple):
         exponential: (4, n) of ``propagator.Step``.
         in_start, in_end: (n_in, 2n) of ``propagator.Step`` for the known inputs.
         port_start, port_end: (n_ports, 2n) the same for unit port forces.
-        q_rows, v_rows: (n_ports, 2n) port motion from the state.
+        q, v: motion of the ports from the state.
         q_rest: (n_ports,) q at rest.
         absolute: (n_ports,) 1 where the port reads absolute motion.
         h: s.
@@ -55,8 +72,8 @@ class Linear(NamedTuple):
     in_end: FloatArray
     port_start: FloatArray
     port_end: FloatArray
-    q_rows: FloatArray
-    v_rows: FloatArray
+    q: Reading
+    v: Reading
     q_rest: FloatArray
     absolute: FloatArray
     h: float
@@ -128,7 +145,7 @@ def crossing(p0: float, r0: float, p1: float, r1: float) -> tuple[float, float]:
 
 
 @njit(**INLINE)
-def contact_step(  # noqa: PLR0917
+def contact_step(
     law: int, values: FloatArray, offset: int, contact: FloatArray, j: int, t: float, h: float,
     p0: float, r0: float, side0: float, n0: float, q1: float, v1: float,
 ) -> tuple[float, float]:  # fmt: skip
@@ -156,7 +173,7 @@ def contact_step(  # noqa: PLR0917
 
 
 @njit(**OPTIONS)
-def internal_state(  # noqa: PLR0917
+def internal_state(
     rate: int, values: FloatArray, offset: int, t: float, h: float,
     q0: float, v0: float, z0: float, q1: float, v1: float,
 ) -> float:  # fmt: skip
@@ -174,9 +191,7 @@ def internal_state(  # noqa: PLR0917
 
 
 @njit(**INLINE)
-def normal_force(  # noqa: PLR0917
-    law: int, values: FloatArray, offset: int, t: float, p: float, rate: float, bilateral: float
-) -> float:
+def normal_force(law: int, values: FloatArray, offset: int, t: float, p: float, rate: float, bilateral: float) -> float:
     """Normal force of a contact, not yet kept from pulling; 0 where it is open."""
     return float(call_law(law, t, p, rate, 0.0, values, offset)) if p > 0.0 or bilateral > 0.0 else 0.0
 
@@ -188,9 +203,17 @@ def on_structure(normal: float, side: float, bilateral: float) -> float:
 
 
 @njit(**OPTIONS)
-def march(  # noqa: C901, PLR0912, PLR0915, PLR0917
+def reached(reading: Reading, pushed: FloatArray) -> FloatArray:
+    """(n_rows, n_ports) what is read after a step in which unit forces pushed as (n_ports, 2n) says."""
+    first, width = reading.first, reading.rows.shape[1]
+    motion: FloatArray = np.dot(reading.rows, np.ascontiguousarray(pushed[:, first : first + width].T))
+    return motion
+
+
+@njit(**OPTIONS)
+def march(  # noqa: C901, PLR0912, PLR0915
     linear: Linear, items: Items, inputs: FloatArray, base: FloatArray, state: FloatArray,
-    out_rows: FloatArray, out: FloatArray, trace: FloatArray, tolerance: float,
+    read: Reading, out: FloatArray, trace: FloatArray, tolerance: float,
 ) -> int:  # fmt: skip
     """March over all columns of ``out`` and record.
 
@@ -200,34 +223,39 @@ def march(  # noqa: C901, PLR0912, PLR0915, PLR0917
         inputs: (n_in, n_steps + 1) known inputs.
         base: (2, n_steps + 1) displacement and velocity of the base, or (2, 0).
         state: (2n,) at the start, changed in place.
-        out_rows: (n_out, 2n) what is recorded.
+        read: (n_out,) what is recorded.
         out: (n_out, n_steps + 1), filled.
         trace: (n_steps + 1, 2 n_ports + n_items), filled with q, v of the ports and the items' forces; (0, 0) for none.
         tolerance: change of a force that ends the iteration, N.
 
     Returns:
-        the number of steps done; less than n_steps where the motion left the finite numbers within the next ``CHUNK``.
+        the number of steps done; less than n_steps where the motion left the finite numbers.
     """
     # Fields become locals, once: reading a field in a loop would count its references.
-    exponential, in_start, in_end, port_start, port_end, q_rows, v_rows, q_rest, absolute, h = linear
-    port_of, law_of, rate_of, values, offset, contact, is_contact, rest_force = items
+    exponential, in_start, in_end, port_start, port_end, q_read, v_read, q_rest, absolute, h = linear
+    law_of, rate_of, values, offset, contact, is_contact, rest_force = items[1:]
+    port_of = items.port.astype(np.uint64)  # unsigned: no index has to be asked whether it counts from the end
     n, n_steps = exponential.shape[1], int(out.shape[1] - 1)
-    n_ports, n_items, n_in = q_rows.shape[0], port_of.shape[0], in_start.shape[0]
-    q_start, q_end = np.dot(q_rows, port_start.T), np.dot(q_rows, port_end.T)
-    v_start, v_end = np.dot(v_rows, port_start.T), np.dot(v_rows, port_end.T)
+    n_ports, n_items, n_in, n_out = q_rest.shape[0], port_of.shape[0], in_start.shape[0], out.shape[0]
+    q_rows, v_rows, out_rows = q_read.rows, v_read.rows, read.rows
+    q_width, v_width, out_width = q_rows.shape[1], v_rows.shape[1], out_rows.shape[1]
+    q_start, q_end = reached(q_read, port_start), reached(q_read, port_end)
+    v_start, v_end = reached(v_read, port_start), reached(v_read, port_end)
     q0, v0, q1, v1 = np.zeros(n_ports), np.zeros(n_ports), np.zeros(n_ports), np.zeros(n_ports)
     z0, z1 = np.zeros(n_items), np.zeros(n_items)
     a, b = np.zeros(n_items), np.zeros(n_items)
     force, before, port_a, port_b = np.zeros(n_items), np.zeros(n_items), np.zeros(n_ports), np.zeros(n_ports)
     p0, r0, side0, n0 = np.zeros(n_items), np.zeros(n_items), np.ones(n_items), np.zeros(n_items)
     weight = np.ones(n_items)
-    new = np.zeros(2 * n)
+    new = state.copy()
     first, second, new_first, new_second = state[:n], state[n:], new[:n], new[n:]
+    q_state, v_state, out_state = new[q_read.first :], new[v_read.first :], new[read.first :]
     for i in range(n_ports):
         q0[i] = q_rest[i]
-        for k in range(2 * n):
-            q0[i] += q_rows[i, k] * state[k]
-            v0[i] += v_rows[i, k] * state[k]
+        for k in range(q_width):
+            q0[i] += q_rows[i, k] * q_state[k]
+        for k in range(v_width):
+            v0[i] += v_rows[i, k] * v_state[k]
         if absolute[i] > 0.0 and base.shape[1] > 0:
             q0[i] += base[0, 0]
             v0[i] += base[1, 0]
@@ -240,9 +268,10 @@ def march(  # noqa: C901, PLR0912, PLR0915, PLR0917
         else:
             force[j] = call_law(law_of[j], 0.0, q0[i], v0[i], 0.0, values, offset[j])
         before[j] = force[j]
-    out[:, 0] = np.dot(out_rows, state)
-    states = np.zeros((CHUNK, 2 * n))
-    read = 0
+    for m in range(n_out):
+        out[m, 0] = 0.0
+        for k in range(out_width):
+            out[m, 0] += out_rows[m, k] * out_state[k]
     tracing = trace.shape[0] > 0
     for step in range(n_steps):
         if tracing:
@@ -261,9 +290,10 @@ def march(  # noqa: C901, PLR0912, PLR0915, PLR0917
                 new[k] += in_start[m, k] * u0 + in_end[m, k] * u1
         for i in range(n_ports):
             total_q, total_v = q_rest[i], 0.0
-            for k in range(2 * n):
-                total_q += q_rows[i, k] * new[k]
-                total_v += v_rows[i, k] * new[k]
+            for k in range(q_width):
+                total_q += q_rows[i, k] * q_state[k]
+            for k in range(v_width):
+                total_v += v_rows[i, k] * v_state[k]
             if absolute[i] > 0.0 and base.shape[1] > 0:
                 total_q += base[0, step + 1]
                 total_v += base[1, step + 1]
@@ -276,9 +306,10 @@ def march(  # noqa: C901, PLR0912, PLR0915, PLR0917
             port_a[i] += a[j] - rest_force[j]
             port_b[i] += b[j] - rest_force[j]
         for i in range(n_ports):
-            for j in range(n_ports):
-                q1[i] += q_start[i, j] * port_a[j] + q_end[i, j] * port_b[j]
-                v1[i] += v_start[i, j] * port_a[j] + v_end[i, j] * port_b[j]
+            if port_a[i] != 0.0 or port_b[i] != 0.0:
+                for m in range(n_ports):
+                    q1[m] += q_start[m, i] * port_a[i] + q_end[m, i] * port_b[i]
+                    v1[m] += v_start[m, i] * port_a[i] + v_end[m, i] * port_b[i]
         for iteration in range(MAX_ITERATIONS):
             largest = 0.0
             for j in range(n_items):
@@ -331,7 +362,6 @@ def march(  # noqa: C901, PLR0912, PLR0915, PLR0917
                     new[k] += port_start[i, k] * port_a[i] + port_end[i, k] * port_b[i]
         for k in range(2 * n):
             state[k] = new[k]
-            states[step - read, k] = new[k]
         for j in range(n_items):
             i = port_of[j]
             before[j] = force[j]
@@ -344,12 +374,15 @@ def march(  # noqa: C901, PLR0912, PLR0915, PLR0917
                 force[j] = b[j]
         for i in range(n_ports):
             q0[i], v0[i] = q1[i], v1[i]
-        done = step + 1
-        if done - read == CHUNK or done == n_steps:
-            out[:, read + 1 : done + 1] = np.dot(out_rows, states[: done - read].T)
-            if not np.abs(state).max() < FINITE:
-                return read
-            read = done
+        size = 0.0
+        for m in range(n_out):
+            total = 0.0
+            for k in range(out_width):
+                total += out_rows[m, k] * out_state[k]
+            out[m, step + 1] = total
+            size += abs(total)
+        if not size < FINITE:
+            return step
     if tracing:
         for i in range(n_ports):
             trace[n_steps, i] = q0[i]

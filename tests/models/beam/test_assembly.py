@@ -64,8 +64,9 @@ def test_a_clamp_that_turns_has_the_frequencies_of_its_equation(ratio):
 @pytest.mark.parametrize("power", [5, 7, 8, 10, 12, 15, 20])
 def test_a_stiff_clamp_goes_smoothly_to_the_built_in_end(power):
     """All frequencies fall by 2 E I / (k L), from the bending energy that the clamp's moment stores in the spring."""
-    built_in = omegas(PLAIN)[:8]
-    found = omegas(replace(PLAIN, clamp_stiffness=10.0**power * EI / LENGTH))[:8]
+    loads = (0.45, 1.0, 1.3)
+    built_in = omegas(PLAIN, *loads)[:8]
+    found = omegas(replace(PLAIN, clamp_stiffness=10.0**power * EI / LENGTH), *loads)[:8]
     np.testing.assert_allclose(1.0 - found / built_in, 2.0 * 10.0**-power, rtol=0.01, atol=1e-12)
 
 
