@@ -32,9 +32,7 @@ class Plant:
     effects: tuple[Effect, ...]
 
 
-def build_plant(
-    rig: Rig, extra: Iterable[Effect] = (), registry: Mapping[str, type[Effect]] = EFFECTS
-) -> Plant:
+def build_plant(rig: Rig, extra: Iterable[Effect] = (), registry: Mapping[str, type[Effect]] = EFFECTS) -> Plant:
     """The rig with the effects of its own file, then ``extra``, in place.
 
     Args:
