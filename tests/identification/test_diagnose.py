@@ -101,5 +101,7 @@ def test_what_is_decided_is_told():
     found = diagnose(rig, [record], jobs=1, seed=5, progress=told.append)
 
     assert set(found.decisions) <= set(told)
+    # The noise is reached: nothing is looked for.
+    assert not [message for message in told if "screening" in message]
     assert found.seed == 5
     assert found.seconds > 0.0

@@ -89,6 +89,8 @@ def test_each_of_two_effects_has_its_own_numbers():
 
     assert {e.name for e in effect_estimates(result, 0)} == {"gain"}
     assert {e.name for e in effect_estimates(result, 1)} == {"mass", "position"}
+    alone = {e.name: e.std for e in effect_estimates(effect_fit(MASS), 0)}
+    assert {e.name: e.std for e in effect_estimates(result, 1)} == pytest.approx(alone)
 
 
 def test_an_added_effect_has_the_probability_of_its_own_round():
