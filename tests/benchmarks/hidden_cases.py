@@ -8,6 +8,7 @@ the diagnosis then finds for the calibrated model is written down beside it.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from math import exp, log
 from zlib import crc32
 
 import numpy as np
@@ -30,8 +31,11 @@ FEW, MANY, MOST = 2.0, 5.0, 30.0
 CLOSE = 1.25
 """Factor within which a size meets the R drawn for it."""
 
-PLACES, SEARCHES = 3, 6
+PLACES, SEARCHES = 2, 8
 """Places tried on one rig, and sizes at each."""
+
+SMALLEST, LARGEST = 1e-4, 30.0
+"""Factors on a trial value of the library between which a size is looked for."""
 
 ROUNDS = 4
 """Steps of the calibration that stands for the diagnosis' own."""
@@ -75,9 +79,9 @@ def draw_case(kind: str, seed: int, number: int) -> Case:
         number: from 0.
     """
     rng = np.random.default_rng([seed, crc32(kind.encode()), number])
-    noise = float(np.exp(rng.uniform(np.log(0.003), np.log(0.01))))
+    noise = exp(rng.uniform(log(0.003), log(0.01)))
     few = rng.random() < 1.0 / 3.0
-    wanted = float(np.exp(rng.uniform(np.log(FEW if few else MANY), np.log(MANY if few else MOST))))
+    wanted = exp(rng.uniform(log(FEW if few else MANY), log(MANY if few else MOST)))
     while True:
         trial = draw_trial(rng)
         built = perturbed(trial.rig, rng)
@@ -117,18 +121,24 @@ def _find_effect(
 
 
 def _sized(start: Effect, imitation: Imitation, wanted: float) -> Iterator[tuple[Effect, float]]:
-    """An effect made larger and smaller, and how much it shows each time, beginning without calibration."""
-    low, high = np.log(1e-4), np.log(1e2)
-    for _ in range(10):
+    """An effect made larger and smaller, and how much it shows each time."""
+    low, high = log(SMALLEST), log(LARGEST)
+    for _ in range(10):  # without calibration an effect shows at its smallest size
         middle = 0.5 * (low + high)
-        shown = imitation.shown(start.scaled(float(np.exp(middle))), rounds=0)
+        shown = imitation.shown(start.scaled(exp(middle)), rounds=0)
         low, high = (middle, high) if shown < wanted else (low, middle)
-    size = float(np.exp(low))
+    low, size, high = log(SMALLEST), low, log(LARGEST)
     for _ in range(SEARCHES):
-        effect = start.scaled(size)
+        effect = start.scaled(exp(size))
         shown = imitation.shown(effect, ROUNDS)
         yield effect, shown
-        size *= float(np.clip(np.sqrt((wanted**2 - 1.0) / max(shown**2 - 1.0, 1e-3)), 0.2, 8.0))
+        low, high = (size, high) if shown < wanted else (low, size)
+        guess = size + min(
+            0.5 * log((wanted**2 - 1.0) / max(shown**2 - 1.0, 1e-3)), log(6.0)
+        )  # squares are in proportion
+        size = guess if low < guess < high else 0.5 * (low + high)
+        if size > log(LARGEST / 2.0):
+            return
 
 
 def _varied(start: Effect, imitation: Imitation, rng: np.random.Generator) -> Iterator[tuple[Effect, float]]:
