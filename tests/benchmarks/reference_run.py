@@ -1,0 +1,65 @@
+"""The run that the benchmarks share: the reference rig under a random-phase multisine, 30 N rms from 3 to 250 Hz."""
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+import numpy as np
+
+from models.arrays import FloatArray
+from models.plant import Plant, build_plant
+from models.record import Record
+from models.rig_file import read_rig
+from testbed.virtual.excitations import random_phase_multisine
+
+HOUSE = Path(__file__).parents[2]
+FS, SECONDS = 2048.0, 10
+LOW, HIGH, RMS = 3.0, 250.0, 30.0
+SEED = 1
+
+
+def reference_plant(**sleeves: float) -> Plant:
+    """The reference rig, 8 accelerometers, two sleeves, with other numbers of the sleeves if given."""
+    rig = read_rig(HOUSE / "tests" / "data" / "reference_rig.toml")
+    changed = tuple(sleeve.model_copy(update=sleeves) for sleeve in rig.sleeves)
+    return build_plant(rig.model_copy(update={"sleeves": changed}))
+
+
+def reference_record(plant: Plant, seconds: float = SECONDS) -> Record:
+    """A record whose responses are still to be computed."""
+    n, names = int(seconds * FS), tuple(sensor.name for sensor in plant.sensors)
+    force = random_phase_multisine(np.random.default_rng(SEED), FS, n, 1, LOW, HIGH, RMS)
+    return Record("multisine", FS, force, names, np.zeros((len(names), n)))
+
+
+def nrmse(found: FloatArray, expected: FloatArray) -> float:
+    """rms(found - expected) / rms(expected), all channels together."""
+    return float(np.sqrt(np.mean((found - expected) ** 2) / np.mean(expected**2)))
+
+
+def best_of(times: int, run: Callable[[], object]) -> float:
+    """The least processor time of several runs, s; one more, before them, may compile."""
+    run()
+    spent = []
+    for _ in range(times):
+        start = process_time()
+        run()
+        spent.append(process_time() - start)
+    return min(spent)
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A Markdown table."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"
+
+
+def write(folder: str, name: str, content: Mapping[str, Any], page: str) -> None:
+    """``results/<folder>/<name>.json`` and ``.md``."""
+    target = HOUSE / "results" / folder
+    target.mkdir(parents=True, exist_ok=True)
+    (target / f"{name}.json").write_text(json.dumps(content, indent=2) + "\n")
+    (target / f"{name}.md").write_text(page)
+    print(f"\n{page}")
