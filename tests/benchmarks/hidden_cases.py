@@ -28,7 +28,7 @@ NOTHING = "nothing"
 FEW, MANY, MOST = 2.0, 5.0, 30.0
 """Bounds of R."""
 
-CLOSE = 1.25
+CLOSE = 1.4
 """Factor within which a size meets the R drawn for it."""
 
 PLACES, SEARCHES = 2, 8
@@ -114,7 +114,7 @@ def _find_effect(
             return None
         start = _jittered(trials[int(rng.integers(len(trials)))], rng, 0.3)
         has_size = any(about.neutral is not None for _, about in start.fitted_parameters())
-        for effect, shown in _sized(start, imitation, wanted) if has_size else _varied(start, imitation, rng):
+        for effect, shown in _sized(start, imitation, wanted) if has_size else _varied(start, imitation, wanted, rng):
             if 1.0 / CLOSE < shown / wanted < CLOSE:
                 return effect, shown
     return None
@@ -141,11 +141,24 @@ def _sized(start: Effect, imitation: Imitation, wanted: float) -> Iterator[tuple
             return
 
 
-def _varied(start: Effect, imitation: Imitation, rng: np.random.Generator) -> Iterator[tuple[Effect, float]]:
-    """An effect whose size has no scale, with its numbers drawn at random."""
+def _varied(
+    start: Effect, imitation: Imitation, wanted: float, rng: np.random.Generator
+) -> Iterator[tuple[Effect, float]]:
+    """An effect without a scale: numbers at random, then halfway between what shows too little and too much."""
+    small: Effect | None = None
+    large: Effect | None = None
     for _ in range(SEARCHES):
-        effect = _jittered(start, rng, 0.7)
-        yield effect, imitation.shown(effect, ROUNDS)
+        effect = _jittered(start, rng, 0.7) if small is None or large is None else _between(small, large)
+        shown = imitation.shown(effect, ROUNDS)
+        yield effect, shown
+        small, large = (effect, large) if shown < wanted else (small, effect)
+
+
+def _between(one: Effect, other: Effect) -> Effect:
+    """The effect with the mean of two effects' numbers, the geometric one where both have a sign in common."""
+    first, second = one.fitted_values(), other.fitted_values()
+    product = first * second
+    return one.with_fitted(np.where(product > 0.0, np.sign(first) * np.sqrt(np.abs(product)), 0.5 * (first + second)))
 
 
 def _jittered(effect: Effect, rng: np.random.Generator, spread: float) -> Effect:

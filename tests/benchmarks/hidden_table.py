@@ -27,10 +27,8 @@ def summarise(folder: Path) -> Json:
         "command": COMMAND,
         "cases": len(cases),
         "hidden": _row(hidden),
-        f"hidden, wanted error below {MANY:g} times the noise": _row([c for c in hidden if c["wanted_ratio"] < MANY]),
-        f"hidden, wanted error {MANY:g} times the noise or more": _row(
-            [c for c in hidden if c["wanted_ratio"] >= MANY]
-        ),
+        f"hidden, calibrated error below {MANY:g} times the noise": _row([c for c in hidden if _ratio(c) < MANY]),
+        f"hidden, calibrated error {MANY:g} times the noise or more": _row([c for c in hidden if _ratio(c) >= MANY]),
         "nothing hidden": _row(nothing),
         "false_alarms": sum(case["judged"]["verdict"] == "missing_effect" for case in nothing if "judged" in case),
         "kinds": {kind: _row([case for case in hidden if case["kind"] == kind]) for kind in kinds},
@@ -56,8 +54,14 @@ def _row(cases: list[Json]) -> Json:
     }
 
 
+def _ratio(case: Json) -> float:
+    """Error of the calibrated model over the noise, as diagnosed, or as expected where the diagnosis failed."""
+    nrmse = case["judged"]["calibrated_nrmse"] if "judged" in case else None
+    return float(case["expected_ratio"] if nrmse is None or not case["floor"] else nrmse / case["floor"])
+
+
 def _miss(case: Json) -> Json:
-    about = {key: case[key] for key in ("case", "hidden", "wanted_ratio", "expected_ratio")}
+    about = {"case": case["case"], "hidden": case["hidden"], "ratio": _ratio(case)}
     if "judged" not in case:
         return about | {"failure": case["failure"]}
     judged = case["judged"]
@@ -101,8 +105,7 @@ def _cells(row: Json) -> list[str]:
 
 def _in_words(miss: Json) -> str:
     hidden = _effect_in_words(miss["hidden"])
-    size = miss.get("calibrated_ratio") or miss["expected_ratio"]
-    shown = "" if miss["hidden"] is None else f" ({size:.3g} times the noise)"
+    shown = "" if miss["hidden"] is None else f" ({miss['ratio']:.3g} times the noise)"
     if "failure" in miss:
         return f"`{miss['case']}`: {hidden}{shown} failed with {miss['failure']}"
     return f"`{miss['case']}`: {hidden}{shown}; {miss['verdict']}, found {_effect_in_words(miss['found'])}"
