@@ -1,12 +1,12 @@
-"""The compiled time stepper: the linear part exact, laws and contacts implicit and second order.
+"""The compiled time stepper: the linear part exact, laws and contacts implicit, of order 2 to 4.
 
-Within a step each law's force runs straight from its value at the start to its value at the end; that end value depends
-on the motion it causes and is found by a damped Newton iteration at the few ports. Where a contact begins or ends
-within a step, the force that acts only for a part of it is replaced by the straight line with the same impulse and the
-same first moment, so that neither the jump of a dashpot nor the corner of a spring costs the order of the method.
-docs/theory.md, section 5.
+Within a step each force runs as a parabola over its values at the start, halfway and at the end, on the cubic of the
+motion there; where a contact begins or ends within the step, on the part in which it is closed. What the linear part is
+given is the straight line with the same impulse and the same first moment. The motion that it causes, and on which it
+depends, is found by Newton's iteration at the few ports. docs/theory.md, section 5.
 """
 
+from math import sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,8 +23,8 @@ INTERNAL_TOLERANCE = 1e-12
 LAST_OLD_SLOPE = 1
 """Iterations that use the slope of an earlier step before it is formed anew."""
 
-MAX_SLOPE = 1e6
-"""Slope of a force per unit of its own end value; more is met only where a difference straddles the gap's edge."""
+LEAST_DETERMINANT, LARGEST_DETERMINANT = 0.1, 1e6
+"""Of Newton's 2 x 2 equations; others are met only where a difference straddles the gap's edge."""
 
 FINITE = 1e30
 """Beyond it a motion counts as lost."""
@@ -110,24 +110,39 @@ def penetration_of(contact: FloatArray, j: int, t: float, q: float, v: float) ->
 
 
 @njit(**OPTIONS)
-def part_step(start: float, end: float, at_start: float, at_end: float) -> tuple[float, float]:
+def part_step(start: float, end: float, first: float, middle: float, last: float) -> tuple[float, float]:
     """Weights (a, b) of the straight line over the step with the impulse and first moment of a force on a part.
 
-    The force runs straight from ``at_start`` at the fraction ``start`` to ``at_end`` at ``end``; where it would pull,
-    it is 0.
+    The force runs as a parabola from ``first`` at the fraction ``start`` over ``middle`` to ``last`` at ``end``; where
+    it would pull, it is 0.
     """
-    if at_start <= 0.0 and at_end <= 0.0:
+    if first <= 0.0 and last <= 0.0:
         return 0.0, 0.0
-    if at_start < 0.0:
-        start += (end - start) * at_start / (at_start - at_end)
-        at_start = 0.0
-    elif at_end < 0.0:
-        end = start + (end - start) * at_start / (at_start - at_end)
-        at_end = 0.0
+    if middle < 0.0:
+        middle = 0.5 * (first + last)
+    if first < 0.0 or last < 0.0:
+        slope, bend = 4.0 * middle - 3.0 * first - last, 2.0 * (first + last) - 4.0 * middle
+        root = sqrt(slope * slope - 4.0 * bend * first)
+        if first < 0.0:
+            cut = -2.0 * first / (slope + root)
+            s = 0.5 * (cut + 1.0)
+            middle = first + s * (slope + s * bend)
+            start, first = start + (end - start) * cut, 0.0
+        else:
+            cut = 2.0 * first / (root - slope)
+            s = 0.5 * cut
+            middle = first + s * (slope + s * bend)
+            end, last = start + (end - start) * cut, 0.0
     width = end - start
-    impulse = 0.5 * width * (at_start + at_end)
-    moment = start * impulse + width * width * (at_start / 6.0 + at_end / 3.0)
+    impulse = width * (first + 4.0 * middle + last) / 6.0
+    moment = start * impulse + width * width * (middle / 3.0 + last / 6.0)
     return 4.0 * impulse - 6.0 * moment, 6.0 * moment - 2.0 * impulse
+
+
+@njit(**INLINE)
+def halfway(h: float, x0: float, v0: float, x1: float, v1: float) -> tuple[float, float]:
+    """Place and velocity halfway through a time h, by the cubic through both at its ends."""
+    return 0.5 * (x0 + x1) + 0.125 * h * (v0 - v1), 1.5 * (x1 - x0) / h - 0.25 * (v0 + v1)
 
 
 @njit(**OPTIONS)
@@ -155,21 +170,42 @@ def contact_step(
     """
     p1, r1, side1 = penetration_of(contact, j, t, q1, v1)
     if contact[j, 3] > 0.0:
-        return -side0 * n0, -side1 * call_law(law, t, p1, r1, 0.0, values, offset)
+        first, last = side0 * n0, side1 * call_law(law, t, p1, r1, 0.0, values, offset)
+        p, rate = halfway(h, side0 * p0, side0 * r0, side1 * p1, side1 * r1)
+        rise = (call_law(law, t - 0.5 * h, p, rate, 0.0, values, offset) - 0.5 * (first + last)) / 1.5
+        return -first - rise, -last - rise
     if p0 <= 0.0 and p1 <= 0.0:
         return 0.0, 0.0
     n1 = call_law(law, t, p1, r1, 0.0, values, offset) if p1 > 0.0 else 0.0
-    if p0 > 0.0 and p1 > 0.0 and side0 == side1:
-        if n0 >= 0.0 and n1 >= 0.0:
-            return -side0 * n0, -side1 * n1
-        a, b = part_step(0.0, 1.0, n0, n1)
-        return -side0 * a, -side0 * b
     if side0 != side1:
         return (-side0 * max(0.0, n0) if p0 > 0.0 else 0.0), (-side1 * max(0.0, n1) if p1 > 0.0 else 0.0)
-    s, slope = crossing(p0, r0 * h, p1, r1 * h)
-    at_crossing = call_law(law, t - (1.0 - s) * h, 0.0, slope / h, 0.0, values, offset)
-    a, b = part_step(s, 1.0, at_crossing, n1) if p1 > 0.0 else part_step(0.0, s, n0, at_crossing)
+    start, end = 0.0, 1.0
+    if p0 <= 0.0:
+        start, slope = crossing(p0, r0 * h, p1, r1 * h)
+        p0, r0 = 0.0, slope / h
+        n0 = call_law(law, t - (1.0 - start) * h, 0.0, r0, 0.0, values, offset)
+    elif p1 <= 0.0:
+        end, slope = crossing(p0, r0 * h, p1, r1 * h)
+        p1, r1 = 0.0, slope / h
+        n1 = call_law(law, t - (1.0 - end) * h, 0.0, r1, 0.0, values, offset)
+    if end <= start:
+        return 0.0, 0.0
+    p, rate = halfway((end - start) * h, p0, r0, p1, r1)
+    middle = call_law(law, t - (1.0 - 0.5 * (start + end)) * h, p, rate, 0.0, values, offset)
+    a, b = part_step(start, end, n0, middle, n1)
     return -side0 * a, -side0 * b
+
+
+@njit(**INLINE)
+def law_step(
+    law: int, values: FloatArray, offset: int, t: float, h: float,
+    q0: float, v0: float, force: float, q1: float, v1: float,
+) -> tuple[float, float]:  # fmt: skip
+    """Weights (a, b) of the force of a law without internal state, from ``force`` at the start of a step to t."""
+    last = call_law(law, t, q1, v1, 0.0, values, offset)
+    q, v = halfway(h, q0, v0, q1, v1)
+    rise = (call_law(law, t - 0.5 * h, q, v, 0.0, values, offset) - 0.5 * (force + last)) / 1.5
+    return force + rise, last + rise
 
 
 @njit(**OPTIONS)
@@ -246,7 +282,8 @@ def march(  # noqa: C901, PLR0912, PLR0915
     a, b = np.zeros(n_items), np.zeros(n_items)
     force, before, port_a, port_b = np.zeros(n_items), np.zeros(n_items), np.zeros(n_ports), np.zeros(n_ports)
     p0, r0, side0, n0 = np.zeros(n_items), np.zeros(n_items), np.ones(n_items), np.zeros(n_items)
-    weight = np.ones(n_items)
+    newton = np.zeros((n_items, 2, 2))
+    newton[:, 0, 0] = newton[:, 1, 1] = 1.0
     new = state.copy()
     first, second, new_first, new_second = state[:n], state[n:], new[:n], new[n:]
     q_state, v_state, out_state = new[q_read.first :], new[v_read.first :], new[read.first :]
@@ -314,39 +351,45 @@ def march(  # noqa: C901, PLR0912, PLR0915
             largest = 0.0
             for j in range(n_items):
                 i = port_of[j]
-                if is_contact[j]:
-                    a_new, b_new = contact_step(
-                        law_of[j], values, offset[j], contact, j, t, h, p0[j], r0[j], side0[j], n0[j], q1[i], v1[i]
-                    )
-                else:
-                    if rate_of[j] != 0:
-                        z1[j] = internal_state(rate_of[j], values, offset[j], t, h, q0[i], v0[i], z0[j], q1[i], v1[i])
-                    a_new = force[j]
-                    b_new = call_law(law_of[j], t, q1[i], v1[i], z1[j], values, offset[j])
-                change = abs(a_new - a[j]) + abs(b_new - b[j])
+                a_new, b_new, a_by_a, b_by_a, change, unit = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+                # The motion as it is, then with a little more of the force's start, then of its end.
+                for probe in range(3):
+                    q, v = q1[i], v1[i]
+                    if probe == 1:
+                        q, v = q + q_start[i, i] * unit, v + v_start[i, i] * unit
+                    elif probe == 2:
+                        q, v = q + q_end[i, i] * unit, v + v_end[i, i] * unit
+                    if is_contact[j]:
+                        a_near, b_near = contact_step(
+                            law_of[j], values, offset[j], contact, j, t, h, p0[j], r0[j], side0[j], n0[j], q, v
+                        )
+                    elif rate_of[j] == 0:
+                        a_near, b_near = law_step(law_of[j], values, offset[j], t, h, q0[i], v0[i], force[j], q, v)
+                    else:
+                        z = internal_state(rate_of[j], values, offset[j], t, h, q0[i], v0[i], z0[j], q, v)
+                        a_near, b_near = force[j], call_law(law_of[j], t, q, v, z, values, offset[j])
+                        if probe == 0:
+                            z1[j] = z
+                    if probe == 0:
+                        a_new, b_new = a_near, b_near
+                        change = abs(a_new - a[j]) + abs(b_new - b[j])
+                        if change < tolerance or iteration <= LAST_OLD_SLOPE:
+                            break
+                        unit = tolerance + SLOPE_NUDGE * abs(b_new)
+                    elif probe == 1:
+                        a_by_a, b_by_a = (a_near - a_new) / unit, (b_near - b_new) / unit
+                    else:
+                        a_by_b, b_by_b = (a_near - a_new) / unit, (b_near - b_new) / unit
+                        determinant = (1.0 - a_by_a) * (1.0 - b_by_b) - a_by_b * b_by_a
+                        if LEAST_DETERMINANT < determinant < LARGEST_DETERMINANT:
+                            newton[j, 0, 0], newton[j, 0, 1] = (1.0 - b_by_b) / determinant, a_by_b / determinant
+                            newton[j, 1, 0], newton[j, 1, 1] = b_by_a / determinant, (1.0 - a_by_a) / determinant
                 if change < tolerance:
                     continue
                 largest = max(largest, change)
-                if iteration == LAST_OLD_SLOPE + 1 or (iteration > LAST_OLD_SLOPE and not is_contact[j]):
-                    unit = tolerance + SLOPE_NUDGE * abs(b_new)
-                    q_near, v_near = q1[i] + q_end[i, i] * unit, v1[i] + v_end[i, i] * unit
-                    if is_contact[j]:
-                        p, rate, side = penetration_of(contact, j, t, q1[i], v1[i])
-                        normal = normal_force(law_of[j], values, offset[j], t, p, rate, contact[j, 3])
-                        here = on_structure(normal, side, contact[j, 3])
-                        p, rate, side = penetration_of(contact, j, t, q_near, v_near)
-                        normal = normal_force(law_of[j], values, offset[j], t, p, rate, contact[j, 3])
-                        near = on_structure(normal, side, contact[j, 3])
-                    else:
-                        z_near, here = z1[j], b_new
-                        if rate_of[j] != 0:
-                            z_near = internal_state(
-                                rate_of[j], values, offset[j], t, h, q0[i], v0[i], z0[j], q_near, v_near
-                            )
-                        near = call_law(law_of[j], t, q_near, v_near, z_near, values, offset[j])
-                    weight[j] = 1.0 / (1.0 - max(-MAX_SLOPE, min(0.0, (near - here) / unit)))
-                damped = weight[j] if iteration < MAX_ITERATIONS // 3 else 0.5 * weight[j]
-                da, db = damped * (a_new - a[j]), damped * (b_new - b[j])
+                damped = 1.0 if iteration < MAX_ITERATIONS // 3 else 0.5
+                da = damped * (newton[j, 0, 0] * (a_new - a[j]) + newton[j, 0, 1] * (b_new - b[j]))
+                db = damped * (newton[j, 1, 0] * (a_new - a[j]) + newton[j, 1, 1] * (b_new - b[j]))
                 a[j] += da
                 b[j] += db
                 port_a[i] += da
@@ -371,7 +414,7 @@ def march(  # noqa: C901, PLR0912, PLR0915
                 n0[j] = normal_force(law_of[j], values, offset[j], t, p0[j], r0[j], contact[j, 3])
                 force[j] = on_structure(n0[j], side0[j], contact[j, 3])
             else:
-                force[j] = b[j]
+                force[j] = call_law(law_of[j], t, q1[i], v1[i], z1[j], values, offset[j])
         for i in range(n_ports):
             q0[i], v0[i] = q1[i], v1[i]
         size = 0.0

@@ -143,7 +143,7 @@ def test_a_slow_base_carries_the_whole_beam():
     )
     signal = burst(FS, 8 * N, 1.0, 1.0)
     channels = simulate(plant, record_of(plant, signal, FS)).channels
-    np.testing.assert_allclose(channels, np.tile(signal, (2, 1)), atol=0.05)  # (1 Hz / 7.6 Hz)^2 at the tip
+    np.testing.assert_allclose(channels, np.tile(signal, (2, 1)), atol=0.05)  # (1 Hz / 6.7 Hz)^2 at the tip
 
 
 def test_friction_against_the_ground_feels_the_base_and_against_the_base_does_not():
@@ -229,7 +229,7 @@ def test_a_slow_force_deflects_the_beam_as_a_static_one():
     plant = build_plant(sensed(rig_with(), (1.3, "displacement"), (1.3, "angular_velocity"), (1.3, "velocity")))
     slow = burst(256.0, 16384, 0.05, 2.0)
     channels = simulate(plant, record_of(plant, slow, 256.0)).channels
-    np.testing.assert_allclose(channels[0], slow * 1.3**3 / (3.0 * EI), atol=1e-3 * 2.0 / EI)  # (0.05 / 7.6)^2, lag
+    np.testing.assert_allclose(channels[0], slow * 1.3**3 / (3.0 * EI), atol=1e-3 * 2.0 / EI)  # (0.05 / 6.7)^2, lag
     rate = np.gradient(slow, 1.0 / 256.0)
     np.testing.assert_allclose(channels[1], rate * 1.3**2 / (2.0 * EI), atol=1e-3 * np.abs(rate).max() / EI)
     np.testing.assert_allclose(channels[2], rate * 1.3**3 / (3.0 * EI), atol=1e-3 * np.abs(rate).max() / EI)
@@ -287,9 +287,9 @@ def test_steps_follow_the_band_and_the_stiffest_contact():
     model = build_modal(build_plant(REFERENCE), 880.0)
     assert steps_per_sample(model, 2048.0, 30.0) == STEP_RATE / 2048.0
     assert steps_per_sample(model, 20000.0, 30.0) == 1
-    assert steps_per_sample(build_modal(build_plant(rig_with()), 880.0), 1000.0, 30.0) == 9
+    assert steps_per_sample(build_modal(build_plant(rig_with()), 880.0), 1000.0, 30.0) == 7
     stiff = build_modal(build_plant(rig_with(sleeve(1.0, stiffness=2e7))), 880.0)
-    assert 4 < steps_per_sample(stiff, 2048.0, 30.0) < MAX_STEPS_PER_SAMPLE
+    assert 3 < steps_per_sample(stiff, 2048.0, 30.0) < MAX_STEPS_PER_SAMPLE
     endless = build_modal(build_plant(rig_with(sleeve(1.0, stiffness=1e12))), 880.0)
     assert steps_per_sample(endless, 2048.0, 30.0) == MAX_STEPS_PER_SAMPLE
 
