@@ -72,6 +72,12 @@ def beginning(evaluator: Evaluator, share: float, seconds: float) -> Evaluator:
 TINY = 1e-300
 
 
+def concerning(base: Fit, evaluator: Evaluator) -> tuple[Unknown, ...]:
+    """The unknowns of a fit that concern the evaluator's records."""
+    names = {target.record.name for target in evaluator.targets}
+    return tuple(unknown for unknown in base.unknowns if unknown.record is None or unknown.record in names)
+
+
 def strained(result: Fit) -> list[RigUnknown]:
     """The rig's numbers that the fit pushed to the end of their tolerance."""
     rig = (unknown for unknown in result.unknowns if isinstance(unknown, RigUnknown))
@@ -80,3 +86,13 @@ def strained(result: Fit) -> list[RigUnknown]:
 
 STRAINED_SHARE = 0.95
 """Share of the largest move at which a number counts as pushed to its end."""
+
+
+def pulled(result: Fit) -> bool:
+    """Whether the fit moved a number of the rig so far that something else must have pulled it."""
+    rig = (unknown for unknown in result.unknowns if isinstance(unknown, RigUnknown))
+    return any(abs(unknown.get(result.hypothesis)) > PULLED_SIGMA for unknown in rig)
+
+
+PULLED_SIGMA = 3.0
+"""One true number in some 400 lies this many standard deviations from its given value."""

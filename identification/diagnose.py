@@ -1,28 +1,28 @@
 """Once round the loop: compare, see where it fails, learn what is missing, add it, and watch the error fall."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 
 import numpy as np
 
 from identification.assess import score, with_starts
-from identification.calibrate import calibrate, strained, unknowns_of
+from identification.calibrate import calibrate, concerning, strained, unknowns_of
 from identification.evaluate import Evaluator, carry_noise
+from identification.evidence import Ranked, probabilities, reranked, with_evidence
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, effect_unknowns
-from identification.judge import Ranked, concerning, judge, probabilities, refit, restarted, with_evidence
+from identification.judge import judge, refit, restarted
 from identification.maps import error_map
 from identification.missing_force import missing_forces
 from identification.outcome import added_effects, candidates_of, groups_of, next_experiment, rig_estimates
 from identification.prepare import Horizon, cut_to, horizons, prepare, resolved
+from identification.progress import Progress, silent
 from identification.result import Diagnosis, Score, Stage, Verdict
 from models.effects import EFFECTS, Registry
 from models.record import Record
 from models.rig import Rig
 from models.simulate import Settings, Trace
-
-Progress = Callable[[str], None]
 
 NOISE_REACHED = 1.15
 """Residual over noise up to which a model has nothing left to explain: the noise itself is known to about a tenth."""
@@ -46,11 +46,6 @@ LEAST_EVIDENCE = 12.0
 
 FIT_SECONDS, SCREEN_SECONDS, TIME_SECONDS = 16.0, 5.0, 10.0
 """Seconds of records that are used for refits, for the screening, and for the screening of effects in time."""
-
-
-def silent(message: str) -> None:
-    """No progress."""
-    del message
 
 
 @dataclass
@@ -112,6 +107,7 @@ def diagnose(
             if _enough(session, better):
                 break
             ranked, _ = _round(session, better)
+        ranked = _restarted(session, chain[-1], ranked)
         rounds.append(ranked)
         chosen = _accept(session, chain[-1], ranked)
         if chosen is None:
@@ -192,16 +188,20 @@ def _round(session: _Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
     return ranked, better
 
 
+def _restarted(session: _Session, base: Fit, ranked: list[Ranked]) -> list[Ranked]:
+    """The ranking after other starts were tried for the best effect, where its fit stopped above the noise."""
+    if not ranked or ranked[0].fit.ratio <= NOISE_REACHED:
+        return ranked
+    session.progress(f"{ranked[0].effect.label()}: the fit stopped above the noise; trying other starts")
+    return reranked(ranked, restarted(session.fitting, base, ranked[0].fit))
+
+
 def _accept(session: _Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | None:
     """The fit with the best effect, refined, if it explains enough."""
     if not ranked:
         session.decide("no effect of the library improves the model")
         return None
     best = ranked[0]
-    if best.fit.ratio > NOISE_REACHED:
-        session.progress(f"{best.effect.label()}: the fit stopped above the noise; trying other starts")
-        found = restarted(session.fitting, base, best.fit)
-        best = with_evidence([replace(best, fit=found, effect=found.hypothesis.effects[-1])])[0]
     scale = max(1.0, best.fit.ratio**2)
     odds = best.log_evidence + 0.5 * base.cost / scale
     share = (base.cost - best.fit.cost) / max(base.cost - base.n_data, 1.0)

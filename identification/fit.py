@@ -4,7 +4,7 @@ Levenberg and Marquardt's method. The columns of the Jacobian that belong to the
 are kept from one iteration to the next, and formed anew only where a step does not bring what it promised.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,8 +12,6 @@ import numpy as np
 from identification.evaluate import Evaluator
 from identification.hypothesis import Hypothesis, Unknown, at_coordinates, coordinates
 from models.arrays import FloatArray
-
-Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True, eq=False)

@@ -242,6 +242,13 @@ def effect_unknowns(hypothesis: Hypothesis, *, places: bool = True) -> tuple[Unk
     return tuple(unknowns)
 
 
+def own_unknowns(hypothesis: Hypothesis) -> tuple[Unknown, ...]:
+    """The fitted numbers and the place of the last effect."""
+    last = len(hypothesis.effects) - 1
+    rows = effect_unknowns(hypothesis)
+    return tuple(u for u in rows if isinstance(u, EffectUnknown | PlaceUnknown) and u.effect == last)
+
+
 def free_place(effect: Effect) -> bool:
     """It sits at a position that a fit may move, not at a sleeve or on a sensor."""
     return effect.place.position is not None and effect.place.sleeve is None

@@ -1,63 +1,31 @@
 """Which effect is missing? Screen all, sketch the promising, refit the best with all numbers, rank by evidence."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from math import log, pi
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
-import numpy as np
-
-from identification.calibrate import beginning, calibrate, strained
+from identification.calibrate import beginning, calibrate, concerning, pulled
 from identification.evaluate import Evaluator
+from identification.evidence import Ranked, with_evidence
 from identification.fit import Fit, fit
-from identification.hypothesis import EffectUnknown, Hypothesis, PlaceUnknown, Unknown, effect_unknowns
-from identification.screen import promising, screen
+from identification.hypothesis import own_unknowns
+from identification.progress import Progress
+from identification.scene import GRID
+from identification.screen import promising, screen, survey
+from identification.sketch import HEATS, Sketch, apart, by_share, heats, sketched
 from models.effects import Effect, Registry
 from models.rig import Beam
 
-Progress = Callable[[str], None]
+PER_KIND = 2
+"""Places of each kind that are sketched."""
 
-SKETCHES_PER_KIND = 2
-MOST_SKETCHES = 10
+MOST_LONG_SKETCHES = 5
+"""Suspects sketched where it takes whole records."""
+
 FINALISTS = 4
 REFITS_PER_KIND = 2
 
 FAR_BEHIND = 0.5
 """A suspect whose sketch takes away less than this share of what the best one does is left out."""
-
-
-@dataclass(frozen=True, eq=False)
-class Ranked:
-    """A suspect after its fit.
-
-    Attributes:
-        effect: the last effect of the fit's hypothesis.
-        fit: with all unknowns refitted, or the sketch.
-        refitted: whether all unknowns were.
-        log_evidence: not yet normalised.
-    """
-
-    effect: Effect
-    fit: Fit
-    refitted: bool
-    log_evidence: float
-
-
-@dataclass(frozen=True, eq=False)
-class _Sketch:
-    """A first fit of a suspect on the beginning of the records.
-
-    Attributes:
-        base: the model without the suspect on the same part.
-        fit: with it.
-    """
-
-    base: Fit
-    fit: Fit
-
-    @property
-    def share(self) -> float:
-        """Share of the cost that the suspect takes away, less what its parameters cost in evidence."""
-        return (self.base.cost - self.fit.cost + 2.0 * log_occam(self.fit)) / max(self.base.cost, 1.0)
 
 
 def judge(
@@ -74,80 +42,77 @@ def judge(
         base: the calibrated model on those.
         progress: told what is being done.
     """
-    start = replace(base.hypothesis, values={}) if strained(base) and base.ratio > SMALL else base.hypothesis
-    sketches: list[_Sketch] = []
+    sketches: list[Sketch] = []
+    large = base.ratio > LARGE or pulled(base)
     for evaluator, there, registry in screening:
-        shortlist = promising(screen(evaluator, there, registry, progress), SKETCHES_PER_KIND)[:MOST_SKETCHES]
         lasting = any(kind.family == "time" for kind in registry.values())
-        whole = lasting or base.ratio < SMALL
-        window = evaluator if whole else beginning(evaluator, *SKETCH_WINDOW)
-        bare = fit(window, start, concerning(base, window), max_iterations=SKETCH_ITERATIONS, tolerance=1e-2)
-        kept = shortlist[: MOST_SKETCHES // 2] if whole else shortlist
-        progress(f"sketching {len(kept)} suspects on {_seconds(window):.1f} s of records")
-        for suspect in kept:
-            quick = _fitted(window, start, base, suspect.effect)
-            if quick is not None:
-                sketches.append(_Sketch(bare, quick))
+        if large and not lasting:
+            sketches += _surveyed(evaluator, base, registry, progress)
+            continue
+        found = promising(screen(evaluator, there, registry, progress), PER_KIND)[:MOST_LONG_SKETCHES]
+        progress(f"sketching {len(found)} suspects on {_seconds(evaluator):.1f} s of records")
+        starts = [base.hypothesis.with_effects(suspect.effect) for suspect in found]
+        sketches += sketched(evaluator, base.hypothesis, base, starts)
     return _finals(_best(sketches, FINALISTS, REFITS_PER_KIND), fitting, base, progress)
 
 
-def _finals(finalists: Sequence[_Sketch], fitting: Evaluator, base: Fit, progress: Progress) -> list[Ranked]:
+LARGE = 3.0
+"""Residual over noise above which the beginning of the records tells suspects apart, and nothing is linear."""
+
+
+def _surveyed(evaluator: Evaluator, base: Fit, registry: Registry, progress: Progress) -> list[Sketch]:
+    """Sketches of the best places of every kind, from the beginning of the records and the numbers as given.
+
+    A calibration without the missing effect pulls the numbers to where they imitate it, and the effect added to that
+    makes matters worse; from the numbers as given, it helps.
+    """
+    start = replace(base.hypothesis, values={}) if pulled(base) else base.hypothesis
+    short = beginning(evaluator, *HEATS[0][:2])
+    bare = fit(short, start, concerning(base, short), max_iterations=0)
+    structure = start.rig.structure
+    apart = structure.length / GRID * 1.5 if isinstance(structure, Beam) else 0.0
+    found = promising(survey(short, bare, registry, progress), PER_KIND, apart)
+    progress(f"sketching {len(found)} suspects on the beginning of the records")
+    return heats(evaluator, start, base, [suspect.effect for suspect in found], registry)
+
+
+def _finals(finalists: Sequence[Sketch], fitting: Evaluator, base: Fit, progress: Progress) -> list[Ranked]:
     """The finalists refitted, unless the first reaches the noise and the beginning alone already rules another out."""
     ranked: list[Ranked] = []
-    ruled_out: list[_Sketch] = []
+    ruled_out: list[Sketch] = []
     for sketch in finalists:
-        hypothesis = sketch.fit.hypothesis
         if ranked and ranked[0].fit.ratio < CLOSE_ENOUGH and sketch.fit.ratio > RULED_OUT * finalists[0].fit.ratio:
             ruled_out.append(sketch)
             continue
-        progress(f"refitting {hypothesis.effects[-1].label()} with all numbers on {_seconds(fitting):.0f} s of records")
-        result = refit(fitting, base, hypothesis.effects[-1], hypothesis.values)
+        progress(f"refitting {sketch.effect.label()} with all numbers on {_seconds(fitting):.0f} s of records")
+        result = refit(fitting, base, sketch.effect, sketch.fit.hypothesis.values)
         if result is not None:
             ranked.append(Ranked(result.hypothesis.effects[-1], result, refitted=True, log_evidence=0.0))
     ordered = with_evidence(ranked)
     for sketch in ruled_out:
         behind = 0.5 * (sketch.fit.cost - finalists[0].fit.cost)
-        effect = sketch.fit.hypothesis.effects[-1]
+        effect = sketch.effect
         ordered.append(Ranked(effect, sketch.fit, refitted=False, log_evidence=ordered[0].log_evidence - behind))
     return ordered
 
-
-SMALL = 1.5
-"""Residual over noise below which the beginning of the records is too short to tell suspects apart."""
 
 RULED_OUT = 1.3
 """A sketch this many times as far off as the best one, when that reaches the noise, is not refitted."""
 
 
-def _best(sketches: Sequence[_Sketch], most: int, per_kind: int) -> list[_Sketch]:
+def _best(sketches: Sequence[Sketch], most: int, per_kind: int) -> list[Sketch]:
     """The best sketches, a few of each kind, without those far behind."""
-    chosen: list[_Sketch] = []
-    for sketch in sorted(sketches, key=lambda s: -s.share):
-        effect = sketch.fit.hypothesis.effects[-1]
-        same = [other for other in chosen if other.fit.hypothesis.effects[-1].kind == effect.kind]
-        repeated = any(_same_place(effect, other.fit.hypothesis.effects[-1], sketch.fit) for other in same)
+    chosen: list[Sketch] = []
+    for sketch in apart(by_share(sketches)):
+        same = [other for other in chosen if other.effect.kind == sketch.effect.kind]
         behind = len(chosen) >= LEAST_REFITS and sketch.share < FAR_BEHIND * chosen[0].share
-        if len(same) < per_kind and not behind and not repeated and sketch.share > 0:
+        if len(same) < per_kind and not behind and sketch.share > 0:
             chosen.append(sketch)
     return chosen[:most]
 
 
 LEAST_REFITS = 3
 """Finalists at least, however far behind."""
-
-
-def _same_place(one: Effect, other: Effect, result: Fit) -> bool:
-    """Two fits that ended at the same place along the beam, with the same options."""
-    if any(getattr(one, key) != getattr(other, key) for key in one.options):
-        return False
-    structure, here, there = result.hypothesis.rig.structure, one.place.position, other.place.position
-    if here is None or there is None or one.place.sleeve != other.place.sleeve or not isinstance(structure, Beam):
-        return one.place == other.place
-    return abs(here - there) < SAME_PLACE * structure.length
-
-
-SAME_PLACE = 0.02
-"""Share of the length within which two positions are one."""
 
 
 def restarted(evaluator: Evaluator, base: Fit, found: Fit) -> Fit:
@@ -164,7 +129,7 @@ def restarted(evaluator: Evaluator, base: Fit, found: Fit) -> Fit:
     alone = [u for u in unknowns if u not in base.unknowns]
     for values in ({}, base.hypothesis.values):
         start = replace(base.hypothesis, values=values).with_effects(effect)
-        window = beginning(evaluator, *SKETCH_WINDOW)
+        window = beginning(evaluator, *HEATS[-1][:2])
         try:
             first = fit(window, start, alone, tolerance=1e-2)
             again = calibrate(evaluator, first.hypothesis, unknowns)
@@ -184,7 +149,8 @@ def refit(evaluator: Evaluator, base: Fit, effect: Effect, values: Mapping[str, 
     """Everything refitted with one more effect, from the rig's ``values``; None where the model with it diverges."""
     hypothesis = replace(base.hypothesis, values=values).with_effects(effect)
     try:
-        return calibrate(evaluator, hypothesis, _all_unknowns(base, effect), REFIT_WINDOWS, tolerance=REFIT_TOLERANCE)
+        unknowns = (*base.unknowns, *own_unknowns(hypothesis))
+        return calibrate(evaluator, hypothesis, unknowns, REFIT_WINDOWS, tolerance=REFIT_TOLERANCE)
     except ArithmeticError:
         return None
 
@@ -194,93 +160,6 @@ REFIT_WINDOWS = ((0.35, 2.0),)
 
 REFIT_TOLERANCE = 2e-3
 """Relative decrease of the cost that ends a refit; the one that wins is polished."""
-
-
-def concerning(base: Fit, evaluator: Evaluator) -> tuple[Unknown, ...]:
-    """The unknowns of a fit that concern the evaluator's records."""
-    names = {target.record.name for target in evaluator.targets}
-    return tuple(unknown for unknown in base.unknowns if unknown.record is None or unknown.record in names)
-
-
-def _all_unknowns(base: Fit, effect: Effect) -> tuple[Unknown, ...]:
-    """The unknowns of the fit so far, then those of one more effect."""
-    hypothesis = base.hypothesis.with_effects(effect)
-    index = len(base.hypothesis.effects)
-    new = [u for u in effect_unknowns(hypothesis) if isinstance(u, EffectUnknown | PlaceUnknown) and u.effect == index]
-    return (*base.unknowns, *new)
-
-
-def _fitted(evaluator: Evaluator, start: Hypothesis, base: Fit, effect: Effect) -> Fit | None:
-    """The effect alone, then everything: the rig's numbers are nearly right, and must not be pulled away first."""
-    names = {target.record.name for target in evaluator.targets}
-    unknowns = [u for u in _all_unknowns(base, effect) if u.record is None or u.record in names]
-    alone = [u for u in unknowns if isinstance(u, EffectUnknown | PlaceUnknown) and u not in base.unknowns]
-    try:
-        sized = _best_size(evaluator, start, effect)
-        first = fit(evaluator, start.with_effects(sized), alone, max_iterations=SKETCH_ITERATIONS, tolerance=2e-2)
-        return fit(evaluator, first.hypothesis, unknowns, max_iterations=SKETCH_ITERATIONS, tolerance=2e-2)
-    except ArithmeticError:
-        return None
-
-
-def _best_size(evaluator: Evaluator, start: Hypothesis, effect: Effect) -> Effect:
-    """The effect at the size that fits best of a few, since least squares finds only the nearest valley."""
-    sizes = [effect.scaled(factor) for factor in SIZES]
-    rows = evaluator.residuals([(start.with_effects(size), None) for size in sizes])
-    costs = [np.inf if row is None else float(row @ row) for row in rows]
-    return sizes[int(np.argmin(costs))]
-
-
-SIZES = (0.1, 0.2, 0.35, 0.6, 1.0, 1.6, 2.5, 4.0, 8.0)
-"""Factors on a suspect's size tried before it is fitted."""
-
-SKETCH_WINDOW = (0.1, 0.75)
-"""Share of the response's energy, and seconds at least, on which suspects are sketched."""
-
-SKETCH_ITERATIONS = 6
-
-
-def with_evidence(ranked: Sequence[Ranked]) -> list[Ranked]:
-    """Sorted by Laplace's approximation to the evidence, with residuals in units of what the best fit leaves.
-
-    log Z = -cost / (2 s^2) + sum over the effect's unknowns of log(posterior std / prior std); s^2 is 1 where the noise
-    is reached and the best reduced chi-square where no model reaches it, so that a misfit common to all does not speak.
-    Source: D. J. C. MacKay, Information Theory, Inference, and Learning Algorithms (2003), chapter 28.
-    """
-    if not ranked:
-        return []
-    scale = max(1.0, min(r.fit.ratio for r in ranked) ** 2)
-    scored = [replace(r, log_evidence=-0.5 * r.fit.cost / scale + log_occam(r.fit)) for r in ranked]
-    return sorted(scored, key=lambda r: -r.log_evidence)
-
-
-def log_occam(result: Fit) -> float:
-    """Logarithm of the share of the prior's volume that the data leave to the last effect's unknowns."""
-    index = len(result.hypothesis.effects) - 1
-    own = [i for i, u in enumerate(result.unknowns) if getattr(u, "effect", None) == index]
-    if not own:
-        return 0.0
-    total = 0.0
-    for i, std in zip(own, np.sqrt(np.maximum(np.diag(result.covariance)[own], 1e-300)), strict=True):
-        unknown = result.unknowns[i]
-        spread = PLACES if isinstance(unknown, PlaceUnknown) else _spread(unknown)
-        total += min(0.0, log(np.sqrt(2.0 * pi) * std / spread))
-    return total
-
-
-PLACES = 20.0
-"""Prior range of a position in its own coordinate, twentieths of the length."""
-
-
-def _spread(unknown: Unknown) -> float:
-    assert isinstance(unknown, EffectUnknown)
-    return float(np.sqrt(2.0 * pi) * (1.0 if unknown.about.scale == "log" else unknown.about.spread / unknown.unit))
-
-
-def probabilities(log_evidence: Sequence[float]) -> list[float]:
-    """Shares of the evidence."""
-    weights = np.exp(np.array(log_evidence) - max(log_evidence))
-    return [float(w) for w in weights / weights.sum()]
 
 
 def _seconds(evaluator: Evaluator) -> float:

@@ -6,9 +6,9 @@ from math import exp
 import numpy as np
 
 from identification.evaluate import Evaluator
+from identification.evidence import Ranked, probabilities
 from identification.fit import Fit
 from identification.hypothesis import EffectUnknown, PlaceUnknown, RigUnknown
-from identification.judge import Ranked, probabilities
 from identification.prepare import Horizon
 from identification.result import AddedEffect, Candidate, Estimate, Verdict
 from models.effects import Effect

@@ -1,6 +1,6 @@
 """What the model says about the motion at every place where an effect could sit."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,8 +8,8 @@ import numpy as np
 from identification.evaluate import Evaluator
 from identification.hypothesis import Hypothesis
 from models.arrays import FloatArray
-from models.effects import Registry
 from models.effects.protocol import Effect, Place, Scene
+from models.modal import ModalModel
 from models.plant import Plant
 from models.ports import Port
 from models.record import Record
@@ -35,16 +35,28 @@ def places_of(kind: type[Effect], rig: Rig) -> list[Place]:
     return places
 
 
-def scenes(evaluator: Evaluator, hypothesis: Hypothesis, registry: Registry) -> dict[Place, Scene]:
-    """The scene at every place of every kind, from the motion that the hypothesis predicts there.
+def places_near(kind: type[Effect], rig: Rig, position: float) -> list[Place]:
+    """Where an effect of this kind could sit at a position along the beam, m: there, or at a sleeve that is close."""
+    places = [Place(position=position)] if "position" in kind.places else []
+    if "sleeve" in kind.places and isinstance(rig.structure, Beam):
+        close = NEAR * rig.structure.length
+        places += [Place(sleeve=s.name, position=s.position) for s in rig.sleeves if abs(s.position - position) < close]
+    return places
+
+
+NEAR = 0.08
+"""Share of the length within which a sleeve and a position are hard to tell apart."""
+
+
+def scenes(evaluator: Evaluator, hypothesis: Hypothesis, places: Collection[Place]) -> dict[Place, Scene]:
+    """The scene at every place, from the motion that the hypothesis predicts there.
 
     Args:
         evaluator: records to simulate.
         hypothesis: the model so far.
-        registry: kinds whose places are wanted.
+        places: where.
     """
     plant = hypothesis.plant()
-    places = {place for kind in registry.values() for place in places_of(kind, hypothesis.rig)}
     positions = sorted({place.position for place in places}, key=lambda p: p or 0.0)
     watched = replace(plant, sensors=tuple(_probes(positions)), effects=())
     size: dict[float | None, tuple[float, float, float]] = dict.fromkeys(positions, (TINY, TINY, 0.0))
@@ -61,7 +73,23 @@ def scenes(evaluator: Evaluator, hypothesis: Hypothesis, registry: Registry) -> 
                 max(old[2], _penetration(response, position, moved[i])),
             )
         force = max(force, _force(target.record, response, speed))
-    return {place: _scene(place, plant, size[place.position], force or 1.0, evaluator) for place in places}
+    rest = _at_rest(response.model, positions)
+    return {
+        place: _scene(place, plant, size[place.position], force or 1.0, rest[place.position], evaluator)
+        for place in places
+    }
+
+
+def _at_rest(model: ModalModel, positions: Sequence[float | None]) -> dict[float | None, float]:
+    """Displacement at rest, m, at each position."""
+    rest = model.rest
+    load = -model.plant.structure.gravity * model.carried
+    for law, force in zip(model.plant.laws, rest.law_forces, strict=True):
+        load = load + force * model.rows(law.port.position, law.port.derivative)
+    for contact, force in zip(model.plant.contacts, rest.contact_forces, strict=True):
+        load = load + force * model.rows(contact.position)
+    yielding = np.divide(load, model.omega**2, out=np.zeros_like(load), where=model.omega > 0.0)
+    return {position: float(model.rows(position) @ yielding) for position in positions}
 
 
 TINY = 1e-9
@@ -93,7 +121,9 @@ def _force(record: Record, response: Response, speed: FloatArray) -> float:
     return float(np.sum(response.model.carried**2) * np.sqrt(np.mean(acceleration**2)))
 
 
-def _scene(place: Place, plant: Plant, size: tuple[float, float, float], force: float, evaluator: Evaluator) -> Scene:
+def _scene(
+    place: Place, plant: Plant, size: tuple[float, float, float], force: float, rest: float, evaluator: Evaluator
+) -> Scene:
     return Scene(
         place=place,
         contact=next((c for c in plant.contacts if c.sleeve == place.sleeve), None),
@@ -104,4 +134,5 @@ def _scene(place: Place, plant: Plant, size: tuple[float, float, float], force: 
         penetration=size[2],
         duration=max(target.record.duration for target in evaluator.targets),
         driven_base=plant.excitation is not None and plant.excitation.quantity != "force",
+        rest=rest,
     )

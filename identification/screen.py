@@ -4,19 +4,18 @@ For each trial value the model is simulated once. The change of the response, fr
 could do as well, is laid on the residual; the share of chi-square that it takes away, at its best size, is the score.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from identification.evaluate import Evaluator
 from identification.fit import Fit
-from identification.scene import places_of, scenes
+from identification.progress import Progress
+from identification.scene import places_near, places_of, scenes
 from models.arrays import FloatArray
 from models.effects import Registry
 from models.effects.protocol import Effect, Place
-
-Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,9 +40,18 @@ class Projection:
         self.rows = base.jacobian
         self.residual = base.residual
         self.inverse = np.linalg.pinv(base.jacobian @ base.jacobian.T + np.diag(prior), hermitian=True)
-        gradient = base.jacobian @ base.residual + prior * x
-        self.pull = self.inverse @ gradient
-        self.misfit = float(base.residual @ base.residual + prior @ x**2 - gradient @ self.pull)
+        self.held, self.penalty = prior * x, float(prior @ x**2)
+        self.pull = self.inverse @ (base.jacobian @ base.residual + self.held)
+        self.misfit = self.left_of(base.residual)
+
+    def left_of(self, residual: FloatArray) -> float:
+        """Chi-square and prior of another residual when the fit's unknowns have taken away what they can.
+
+        Args:
+            residual: (n_data,) in units of the noise, with the unknowns where the fit has them.
+        """
+        gradient = self.rows @ residual + self.held
+        return float(residual @ residual + self.penalty - gradient @ self.inverse @ gradient)
 
     def gain(self, change: FloatArray, *, two_sided: bool = False) -> tuple[float, float]:
         """(decrease of chi-square, best factor) for a change of the response proportional to a trial value.
@@ -95,6 +103,44 @@ PLACES_TO_VARY = 3
 """Places of each kind at which all trial values are tried, not only the middle one."""
 
 
+def survey(
+    evaluator: Evaluator, start: Fit, registry: Registry, progress: Progress, near: float | None = None
+) -> list[Suspect]:
+    """Every kind at every place at many sizes, none taken to act in proportion, the most promising first.
+
+    For records so short that they can be simulated a thousand times, and misfits so large that nothing is linear but
+    what the rig's numbers do.
+
+    Args:
+        evaluator: the beginning of the records.
+        start: the model without a suspect and its Jacobian there.
+        registry: kinds to try.
+        progress: told how many simulations are coming.
+        near: only at this position along the beam, m, and at sleeves close to it.
+    """
+    projection = Projection(start)
+    ladder = [size for row in _trials(evaluator, start, registry, near).values() for size in _ladder(row)]
+    progress(f"surveying {len(registry)} kinds of effect at every place: {len(ladder)} trials")
+    suspects = []
+    for first in range(0, len(ladder), BATCH):
+        batch = ladder[first : first + BATCH]
+        rows = evaluator.residuals([(start.hypothesis.with_effects(effect), None) for effect in batch])
+        for effect, row in zip(batch, rows, strict=True):
+            if row is not None:
+                suspects.append(Suspect(effect, projection.misfit - projection.left_of(row)))
+    return sorted(suspects, key=lambda suspect: -suspect.gain)
+
+
+def _ladder(trials: Sequence[Effect]) -> list[Effect]:
+    """The trials and sizes between them, without those that come out alike."""
+    sizes = [trial.scaled(factor) for trial in trials for factor in BETWEEN]
+    return list(dict.fromkeys(sizes))
+
+
+BETWEEN = (0.46, 1.0, 2.15)
+"""Factors on trial sizes: thirds of a decade."""
+
+
 def _tried(evaluator: Evaluator, base: Fit, projection: Projection, trials: Sequence[Effect]) -> list[Suspect]:
     suspects: list[Suspect] = []
     for start in range(0, len(trials), BATCH):
@@ -116,30 +162,44 @@ def _two_sided(effect: Effect) -> bool:
     return any(p.neutral is not None and p.lower < p.neutral < p.upper for _, p in effect.fitted_parameters())
 
 
-def _trials(evaluator: Evaluator, base: Fit, registry: Registry) -> dict[tuple[str, Place], list[Effect]]:
+def _trials(
+    evaluator: Evaluator, base: Fit, registry: Registry, near: float | None = None
+) -> dict[tuple[str, Place], list[Effect]]:
     """Trial effects by kind and place."""
     rig = base.hypothesis.rig
-    seen = scenes(evaluator, base.hypothesis, registry)
+    kinds = [kind for kind in registry.values() if rig.structure.kind in kind.structures]
+    places = {kind: places_of(kind, rig) if near is None else places_near(kind, rig, near) for kind in kinds}
+    seen = scenes(evaluator, base.hypothesis, {place for row in places.values() for place in row})
     present = {(e.kind, e.place) for e in base.hypothesis.effects}
     trials: dict[tuple[str, Place], list[Effect]] = {}
-    for kind in registry.values():
-        if rig.structure.kind in kind.structures:
-            for place in places_of(kind, rig):
-                row = list(kind.trials(seen[place])) if (kind.kind, place) not in present else []
-                if row:
-                    trials[kind.kind, place] = row
+    for kind in kinds:
+        for place in places[kind]:
+            row = list(kind.trials(seen[place])) if (kind.kind, place) not in present else []
+            if row:
+                trials[kind.kind, place] = row
     return trials
 
 
-def promising(suspects: Sequence[Suspect], per_kind: int) -> list[Suspect]:
-    """The best few suspects of each kind, one a place and variant, the best kind first."""
+def promising(suspects: Sequence[Suspect], per_kind: int, apart: float = 0.0) -> list[Suspect]:
+    """The best few suspects of each kind, one a place and variant, the best kind first.
+
+    Args:
+        suspects: the best first.
+        per_kind: most of a kind.
+        apart: distance, m, within which positions along the beam are one place.
+    """
     kept: dict[str, list[Suspect]] = {}
     for suspect in suspects:
         row = kept.setdefault(suspect.effect.kind, [])
-        if len(row) < per_kind and all(_differs(suspect.effect, other.effect) for other in row):
+        if len(row) < per_kind and all(_differs(suspect.effect, other.effect, apart) for other in row):
             row.append(suspect)
     return sorted((s for row in kept.values() for s in row), key=lambda suspect: -suspect.gain)
 
 
-def _differs(one: Effect, other: Effect) -> bool:
-    return one.place != other.place or any(getattr(one, key) != getattr(other, key) for key in one.options)
+def _differs(one: Effect, other: Effect, apart: float) -> bool:
+    if any(getattr(one, key) != getattr(other, key) for key in one.options):
+        return True
+    here, there = one.place.position, other.place.position
+    if here is None or there is None or one.place.sleeve or other.place.sleeve:
+        return one.place != other.place
+    return abs(here - there) > apart

@@ -11,7 +11,7 @@ from identification.evaluate import Evaluator
 from identification.hypothesis import Hypothesis
 from identification.prepare import prepare
 from identification.scene import scenes
-from models.effects import EFFECTS, Effect, Place, build_effect
+from models.effects import EFFECTS, Effect, build_effect
 from models.effects.protocol import Parameter
 from models.errors import DivergenceError
 from models.record import Record
@@ -89,17 +89,8 @@ def trials_at(
         pattern: of the kind, at the place.
         options: key -> value.
     """
-    kind, place = type(pattern), pattern.place
-    seen = scenes(evaluator, hypothesis, {kind.kind: kind})
-    nearest = min(seen, key=lambda other: _distance(other, place))
-    scene = replace(seen[nearest], place=place)
-    return tuple(dict.fromkeys(replace(trial, **options) for trial in kind.trials(scene)))
-
-
-def _distance(one: Place, other: Place) -> tuple[bool, float]:
-    """Another sleeve or sensor is no neighbour; along the beam the nearest place of the grid stands for all."""
-    differs = (one.sleeve, one.sensor) != (other.sleeve, other.sensor)
-    return differs, abs((one.position or 0.0) - (other.position or 0.0))
+    scene = scenes(evaluator, hypothesis, (pattern.place,))[pattern.place]
+    return tuple(dict.fromkeys(replace(trial, **options) for trial in type(pattern).trials(scene)))
 
 
 def _best(evaluator: Evaluator, hypothesis: Hypothesis, trials: Sequence[Effect], pattern: Effect) -> Effect:

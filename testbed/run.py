@@ -2,13 +2,14 @@
 
 import json
 import shlex
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from identification.hypothesis import Hypothesis
+from identification.progress import Progress
 from models.errors import InputError
 from models.record import AnyRecord, FrfRecord, ModeShapeRecord, Record
 from testbed.compare import compare
@@ -21,8 +22,6 @@ from testbed.outputs import LAST, json_text, staged
 DIAGNOSIS, REPORT = "diagnosis.json", "report.html"
 OUTPUTS = (DIAGNOSIS, UPDATED, REPORT)
 LINEAR_ONLY = "from one level of FRFs or mode shapes no nonlinearity can be seen: it is compared and not learned from"
-
-Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True)

@@ -23,9 +23,10 @@ class CubicStiffness(Effect):
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:
-        """Forces of 1, 10 and 100 % of the excitation at the largest displacement."""
-        for share in (0.01, 0.1, 1.0):
-            yield cls(scene.place, stiffness=share * scene.force / scene.displacement**3)
+        """Its force changes by 1 % to 100 times the excitation over the motion, which it may have kept far smaller."""
+        steepness = scene.displacement * (scene.displacement**2 + 3.0 * scene.rest**2)
+        for share in (0.01, 0.1, 1.0, 10.0, 100.0):
+            yield cls(scene.place, stiffness=share * scene.force / steepness)
 
     @staticmethod
     def force(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004

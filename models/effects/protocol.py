@@ -106,6 +106,7 @@ class Scene:
         penetration: largest penetration at the sleeve, m; 0 where there is none.
         duration: of the longest record, s.
         driven_base: whether the base moves, so that ``against = "ground"`` is another effect than ``"base"``.
+        rest: displacement at rest, gravity's sag included, m.
     """
 
     place: Place
@@ -117,6 +118,7 @@ class Scene:
     penetration: float
     duration: float
     driven_base: bool
+    rest: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -1,26 +1,14 @@
-"""The judgement: evidence sums to one, prefers fewer numbers, and looks at few of each kind."""
+"""The judgement: few of each kind are refitted, and what the beginning rules out is not."""
 
-from math import log, pi, sqrt
-
-import numpy as np
 import pytest
-from trial_records import REFERENCE
+from trial_records import REFERENCE, evaluator_of, fit_of, measured, multisine
 
-from identification.fit import Fit
-from identification.hypothesis import Hypothesis, effect_unknowns
-from identification.judge import (
-    FAR_BEHIND,
-    LEAST_REFITS,
-    PLACES,
-    Ranked,
-    _best,
-    _Sketch,
-    log_occam,
-    probabilities,
-    with_evidence,
-)
+from identification import judge as judging
+from identification.evidence import log_occam
+from identification.hypothesis import Hypothesis
+from identification.judge import FAR_BEHIND, LEAST_REFITS, RULED_OUT, _best, _finals
+from identification.sketch import Sketch
 from models.effects import Place
-from models.effects.bouc_wen import BoucWen
 from models.effects.point_damping import PointDamping
 from models.effects.point_mass import PointMass
 from models.effects.point_stiffness import PointStiffness
@@ -28,78 +16,11 @@ from models.effects.sensor_gain import SensorGain
 
 HERE = Place(position=0.7)
 MASS = PointMass(HERE, mass=0.3)
-
-
-def fit_of(effect, chi2, *, std=0.01, n_data=1000, places=False):
-    hypothesis = Hypothesis(REFERENCE, effects=(effect,))
-    unknowns = effect_unknowns(hypothesis, places=places)
-    n = len(unknowns)
-    return Fit(hypothesis, unknowns, chi2, 0.0, n_data, np.zeros(n_data), np.zeros((n, n_data)), std**2 * np.eye(n))
-
-
-def ranked(effect, chi2, **about):
-    return Ranked(effect, fit_of(effect, chi2, **about), refitted=True, log_evidence=0.0)
-
-
-def test_probabilities_are_shares_of_the_evidence():
-    assert probabilities([0.0, log(3.0)]) == pytest.approx([0.25, 0.75])
-    assert sum(probabilities([-5.0, 2.0, 1.0])) == pytest.approx(1.0)
-    assert probabilities([-1e6, -1e6 - 800.0]) == pytest.approx([1.0, 0.0])
-
-
-def test_only_differences_of_the_evidence_count():
-    assert probabilities([1.0, 2.0, 3.0]) == pytest.approx(probabilities([-1e5 + 1.0, -1e5 + 2.0, -1e5 + 3.0]))
-
-
-def test_of_two_that_fit_alike_the_one_with_fewer_numbers_is_believed():
-    rich, poor = ranked(BoucWen(HERE, 3.0, 2e-5, 1.0), 1000.0), ranked(MASS, 1000.0)
-
-    assert [r.effect for r in with_evidence([rich, poor])] == [poor.effect, rich.effect]
-
-
-def test_more_numbers_are_believed_where_they_explain_more():
-    rich, poor = ranked(BoucWen(HERE, 3.0, 2e-5, 1.0), 1000.0), ranked(MASS, 1100.0)
-
-    assert with_evidence([poor, rich])[0].effect is rich.effect
-
-
-def test_the_evidence_of_a_log_number_is_laplaces():
-    (only,) = with_evidence([ranked(MASS, 900.0)])
-
-    # Half of chi-square, and the posterior's width 0.01 beside the prior's 1.
-    assert only.log_evidence == pytest.approx(-450.0 + log(0.01))
-
-
-def test_the_occam_factor_of_a_place_and_of_a_linear_number():
-    moving = fit_of(MASS, 900.0, places=True)
-    gain = fit_of(SensorGain(Place(sensor="P3"), gain=0.5), 900.0)
-
-    assert log_occam(moving) == pytest.approx(log(0.01) + log(sqrt(2 * pi) * 0.01 / PLACES))
-    # The prior of a gain is 1 wide, 2 in units of the fitted 0.5.
-    assert log_occam(gain) == pytest.approx(log(0.01 / 2.0))
-
-
-def test_data_that_tell_nothing_cost_nothing():
-    assert log_occam(fit_of(MASS, 900.0, std=50.0)) == 0.0
-
-
-def test_a_misfit_common_to_all_softens_the_judgement():
-    reached = with_evidence([ranked(MASS, 1000.0), ranked(PointDamping(HERE, damping=1.0), 1100.0)])
-    missed = with_evidence([ranked(MASS, 100000.0), ranked(PointDamping(HERE, damping=1.0), 110000.0)])
-
-    def odds(rows):
-        return rows[0].log_evidence - rows[1].log_evidence
-
-    assert odds(reached) == pytest.approx(50.0)
-    assert odds(missed) == pytest.approx(50.0)  # a hundred times the difference, a hundred times the scale
-    assert with_evidence([]) == []
-
-
 BASE = fit_of(MASS, 1000.0)
 
 
 def sketch(effect, share):
-    return _Sketch(BASE, fit_of(effect, 1000.0 * (1.0 - share)))
+    return Sketch(BASE, fit_of(effect, 1000.0 * (1.0 - share)))
 
 
 def kinds(sketches):
@@ -107,7 +28,7 @@ def kinds(sketches):
 
 
 def test_the_share_of_a_sketch_is_what_it_takes_away_less_its_occam_factor():
-    assert sketch(MASS, 0.3).share == pytest.approx(0.3 + 2.0 * log(0.01) / 1000.0)
+    assert sketch(MASS, 0.3).share == pytest.approx(0.3 + 2.0 * log_occam(fit_of(MASS, 700.0)) / 1000.0)
 
 
 def test_the_best_sketches_are_few_of_each_kind():
@@ -134,3 +55,43 @@ def test_those_far_behind_are_left_out_when_there_are_enough_and_those_that_wors
     assert "sensor_gain" not in kinds(_best(rows, 9, 2))
     assert "sensor_gain" in kinds(_best(rows[1:], 9, 2))
     assert _best([sketch(MASS, -0.1)], 9, 2) == []
+
+
+@pytest.fixture
+def refits(monkeypatch):
+    """Refits that leave a residual over noise by the effect's kind, and the kinds that were refitted."""
+    ratios, asked = {}, []
+
+    def refit(evaluator, base, effect, values):
+        asked.append(effect.kind)
+        return fit_of(effect, 1000.0 * ratios[effect.kind] ** 2)
+
+    monkeypatch.setattr(judging, "refit", refit)
+    return ratios, asked
+
+
+def finals(sketches):
+    evaluator = evaluator_of(measured(Hypothesis(REFERENCE), multisine(512)))
+    return _finals(sketches, evaluator, BASE, lambda _: None)
+
+
+def test_when_the_first_reaches_the_noise_those_far_off_are_not_refitted(refits):
+    ratios, asked = refits
+    ratios.update(point_mass=1.0, point_damping=3.0)
+    first, last = sketch(MASS, 0.9), sketch(PointDamping(HERE, damping=1.0), 1.0 - 0.1 * 1.1 * RULED_OUT**2)
+
+    rows = finals([first, last])
+
+    assert asked == ["point_mass"]
+    assert [(r.effect.kind, r.refitted) for r in rows] == [("point_mass", True), ("point_damping", False)]
+    assert rows[1].log_evidence < rows[0].log_evidence
+
+
+def test_while_none_reaches_the_noise_all_are_refitted(refits):
+    ratios, asked = refits
+    ratios.update(point_mass=2.0, point_damping=1.5)
+
+    rows = finals([sketch(MASS, 0.9), sketch(PointDamping(HERE, damping=1.0), 0.1)])
+
+    assert asked == ["point_mass", "point_damping"]
+    assert [r.effect.kind for r in rows] == ["point_damping", "point_mass"]

@@ -7,7 +7,7 @@ from trial_records import REFERENCE, evaluator_of, measured, multisine, oscillat
 
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, rig_unknowns
-from identification.screen import LARGEST_FACTOR, Projection, Suspect, promising, screen
+from identification.screen import LARGEST_FACTOR, Projection, Suspect, promising, screen, survey
 from models.effects import Place
 from models.effects.coulomb_friction import CoulombFriction
 from models.effects.point_mass import PointMass
@@ -114,3 +114,34 @@ def test_the_promising_are_few_of_each_kind_and_one_a_place():
     kept = promising(sorted(suspects, key=lambda s: -s.gain), 2)
 
     assert [s.gain for s in kept] == [9.0, 7.0, 5.0, 5.0]
+
+
+def test_places_within_a_distance_are_one():
+    rows = [Suspect(PointMass(Place(position=x), mass=0.1), gain) for x, gain in ((0.5, 9.0), (0.6, 8.0), (0.8, 7.0))]
+
+    assert [s.gain for s in promising(rows, 3, apart=0.15)] == [9.0, 7.0]
+
+
+def test_what_is_left_of_a_residual_is_least_squares_with_the_prior():
+    prior = base_of(prior=True)
+    matrix, right = np.vstack([ROWS.T, np.eye(3)]), np.concatenate([RESIDUAL, np.zeros(3)])
+    solution = np.linalg.lstsq(matrix, -right, rcond=None)[0]
+
+    assert Projection(prior).left_of(RESIDUAL) == pytest.approx(np.sum((matrix @ solution + right) ** 2))
+
+
+def test_a_survey_finds_the_place_and_the_size_of_a_heavy_mass():
+    """A quarter of the beam's mass: nothing is linear in it."""
+    hidden = PointMass(Place(position=0.86), mass=0.9)
+    evaluator = evaluator_of(measured(Hypothesis(REFERENCE, effects=(hidden,)), multisine(1024, rms=2.0)))
+    start = fit(evaluator, Hypothesis(REFERENCE), rig_unknowns(REFERENCE), max_iterations=0)
+    registry = {"point_mass": PointMass, "sensor_gain": SensorGain}
+
+    first, *_ = survey(evaluator, start, registry, lambda _: None)
+    near, *_ = survey(evaluator, start, registry, lambda _: None, near=0.86)
+
+    assert isinstance(first.effect, PointMass)
+    assert abs(first.effect.place.position - 0.86) < 0.13
+    assert near.effect.place == Place(position=0.86)
+    assert hidden.mass / 1.6 < near.effect.mass < hidden.mass * 1.6
+    assert near.gain >= first.gain

@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from identification.evaluate import Evaluator, Target
-from identification.hypothesis import Hypothesis
+from identification.fit import Fit
+from identification.hypothesis import Hypothesis, effect_unknowns
 from identification.noise import Noise
 from models.record import Record
 from models.rig import Excitation, Oscillator, Rig, Sensor
@@ -62,3 +63,11 @@ def moved(rig, *sigmas):
     """The rig's toleranced numbers, moved by so many of their standard deviations."""
     parameters = rig.parameters()
     return Hypothesis(rig, values={p.path: p.value + s * p.std for p, s in zip(parameters, sigmas, strict=True)})
+
+
+def fit_of(effect, chi2, *, std=0.01, n_data=1000, places=False):
+    """A finished fit of an effect on the reference rig, with this chi-square and standard deviation of its numbers."""
+    hypothesis = Hypothesis(REFERENCE, effects=(effect,))
+    unknowns = effect_unknowns(hypothesis, places=places)
+    n = len(unknowns)
+    return Fit(hypothesis, unknowns, chi2, 0.0, n_data, np.zeros(n_data), np.zeros((n, n_data)), std**2 * np.eye(n))

@@ -1,0 +1,84 @@
+"""How much the records speak for each suspect: Laplace's approximation to the evidence, and probabilities from it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import log, pi
+
+import numpy as np
+
+from identification.fit import Fit
+from identification.hypothesis import EffectUnknown, PlaceUnknown, Unknown
+from models.effects import Effect
+
+
+@dataclass(frozen=True, eq=False)
+class Ranked:
+    """A suspect after its fit.
+
+    Attributes:
+        effect: the last effect of the fit's hypothesis.
+        fit: with all unknowns refitted, or the sketch.
+        refitted: whether all unknowns were.
+        log_evidence: not yet normalised.
+    """
+
+    effect: Effect
+    fit: Fit
+    refitted: bool
+    log_evidence: float
+
+
+def with_evidence(ranked: Sequence[Ranked]) -> list[Ranked]:
+    """Sorted by Laplace's approximation to the evidence, with residuals in units of what the best fit leaves.
+
+    log Z = -cost / (2 s^2) + sum over the effect's unknowns of log(posterior std / prior std); s^2 is 1 where the noise
+    is reached and the best reduced chi-square where no model reaches it, so that a misfit common to all does not speak.
+    Source: D. J. C. MacKay, Information Theory, Inference, and Learning Algorithms (2003), chapter 28.
+    """
+    if not ranked:
+        return []
+    scale = max(1.0, min(r.fit.ratio for r in ranked) ** 2)
+    scored = [replace(r, log_evidence=-0.5 * r.fit.cost / scale + log_occam(r.fit)) for r in ranked]
+    return sorted(scored, key=lambda r: -r.log_evidence)
+
+
+def reranked(ranked: Sequence[Ranked], better: Fit) -> list[Ranked]:
+    """The rows with a better fit of the first one's effect; rows without a refit stay as far behind the best.
+
+    Args:
+        ranked: sorted.
+        better: another fit of the same effect.
+    """
+    first = replace(ranked[0], fit=better, effect=better.hypothesis.effects[-1])
+    rows = with_evidence([first, *(row for row in ranked[1:] if row.refitted)])
+    shift = rows[0].log_evidence - ranked[0].log_evidence
+    return [*rows, *(replace(r, log_evidence=r.log_evidence + shift) for r in ranked[1:] if not r.refitted)]
+
+
+def log_occam(result: Fit) -> float:
+    """Logarithm of the share of the prior's volume that the data leave to the last effect's unknowns."""
+    index = len(result.hypothesis.effects) - 1
+    own = [i for i, u in enumerate(result.unknowns) if getattr(u, "effect", None) == index]
+    if not own:
+        return 0.0
+    total = 0.0
+    for i, std in zip(own, np.sqrt(np.maximum(np.diag(result.covariance)[own], 1e-300)), strict=True):
+        unknown = result.unknowns[i]
+        spread = PLACES if isinstance(unknown, PlaceUnknown) else _spread(unknown)
+        total += min(0.0, log(np.sqrt(2.0 * pi) * std / spread))
+    return total
+
+
+PLACES = 20.0
+"""Prior range of a position in its own coordinate, twentieths of the length."""
+
+
+def _spread(unknown: Unknown) -> float:
+    assert isinstance(unknown, EffectUnknown)
+    return float(np.sqrt(2.0 * pi) * (1.0 if unknown.about.scale == "log" else unknown.about.spread / unknown.unit))
+
+
+def probabilities(log_evidence: Sequence[float]) -> list[float]:
+    """Shares of the evidence."""
+    weights = np.exp(np.array(log_evidence) - max(log_evidence))
+    return [float(w) for w in weights / weights.sum()]

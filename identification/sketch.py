@@ -1,0 +1,154 @@
+"""A first fit of every suspect on the beginning of the records, in heats.
+
+The beginning of a record is quick to simulate, and the phase of the motion is still right there, however far the
+numbers are from the truth. So many suspects are fitted on very little, the best of them again on more.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from identification.calibrate import beginning, concerning
+from identification.evaluate import Evaluator
+from identification.evidence import log_occam
+from identification.fit import Fit, fit
+from identification.hypothesis import Hypothesis, own_unknowns
+from identification.progress import silent
+from identification.screen import promising, survey
+from models.effects import Effect, Registry
+from models.rig import Beam
+
+Heat = tuple[float, float, int]
+
+HEATS: tuple[Heat, ...] = ((0.02, 0.4, 10), (0.1, 0.75, 10))
+"""Share of the response's energy, and seconds at least, on which suspects are fitted; how many go on from there."""
+
+ITERATIONS_ALONE, ITERATIONS, TOLERANCE = 3, 5, 2e-2
+"""Of the suspect by itself, while the rig's numbers are held, and then of all: else these are pulled away first."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sketch:
+    """A first fit of a suspect on a part of the records.
+
+    Attributes:
+        base: the model without the suspect on the same part.
+        fit: with it.
+    """
+
+    base: Fit
+    fit: Fit
+
+    @property
+    def effect(self) -> Effect:
+        """The suspect as fitted."""
+        return self.fit.hypothesis.effects[-1]
+
+    @property
+    def share(self) -> float:
+        """Share of the cost that the suspect takes away, less what its parameters cost in evidence."""
+        return (self.base.cost - self.fit.cost + 2.0 * log_occam(self.fit)) / max(self.base.cost, 1.0)
+
+
+def heats(
+    evaluator: Evaluator, start: Hypothesis, base: Fit, suspects: Sequence[Effect], registry: Registry
+) -> list[Sketch]:
+    """The suspects that are left after all heats, best first.
+
+    Args:
+        evaluator: records, of which the heats see the beginning.
+        start: the model without a suspect where the fits begin.
+        base: the calibrated model, for its unknowns.
+        suspects: effects at trial sizes.
+        registry: kinds to try where the best of them sits.
+    """
+    starts = [start.with_effects(effect) for effect in suspects]
+    sketches: list[Sketch] = []
+    for share, seconds, most in HEATS:
+        window = beginning(evaluator, share, seconds)
+        sketches = apart(sketched(window, start, base, starts))
+        others = rivals(window, base, sketches, registry)
+        sketches = apart(by_share([*sketches, *sketched(window, start, base, others)]))[:most]
+        starts = [sketch.fit.hypothesis for sketch in sketches]
+    return sketches
+
+
+def rivals(evaluator: Evaluator, base: Fit, sketches: Sequence[Sketch], registry: Registry) -> list[Hypothesis]:
+    """Other kinds where the best effect sits, seen from the numbers of the rig that were fitted along with it.
+
+    Once anything at the right place has taken most of the misfit away, the numbers are nearly right, and what differs
+    is how the effect acts.
+
+    Args:
+        evaluator: the records of the sketches.
+        base: the calibrated model, for its unknowns.
+        sketches: the best first.
+        registry: kinds to try.
+    """
+    position = sketches[0].effect.place.position if sketches else None
+    if position is None:
+        return []
+    best = sketches[0].fit.hypothesis
+    bare = replace(best, effects=best.effects[:-1])
+    seen = {s.effect.kind for s in sketches if s.fit.ratio < ALIKE * sketches[0].fit.ratio}
+    others = {name: kind for name, kind in registry.items() if name not in seen and kind.places}
+    there = fit(evaluator, bare, concerning(base, evaluator), max_iterations=0)
+    return [bare.with_effects(s.effect) for s in promising(survey(evaluator, there, others, silent, position), 1)]
+
+
+ALIKE = 1.5
+"""A kind whose sketch is at most this many times as far off as the best one need not be seen from there again."""
+
+
+def by_share(sketches: Sequence[Sketch]) -> list[Sketch]:
+    """The best first."""
+    return sorted(sketches, key=lambda sketch: -sketch.share)
+
+
+def apart(sketches: Sequence[Sketch]) -> list[Sketch]:
+    """The sketches without those that ended where a better one of the same kind already is."""
+    kept: list[Sketch] = []
+    for sketch in sketches:
+        if not any(_same_place(sketch, other) for other in kept):
+            kept.append(sketch)
+    return kept
+
+
+def _same_place(one: Sketch, other: Sketch) -> bool:
+    """Fits of one kind that ended at the same place along the beam, with the same options."""
+    effect, rival = one.effect, other.effect
+    if effect.kind != rival.kind or any(getattr(effect, key) != getattr(rival, key) for key in effect.options):
+        return False
+    structure, here, there = one.fit.hypothesis.rig.structure, effect.place.position, rival.place.position
+    if here is None or there is None or effect.place.sleeve != rival.place.sleeve or not isinstance(structure, Beam):
+        return effect.place == rival.place
+    return abs(here - there) < SAME_PLACE * structure.length
+
+
+SAME_PLACE = 0.02
+"""Share of the length within which two positions are one."""
+
+
+def sketched(evaluator: Evaluator, start: Hypothesis, base: Fit, suspects: Sequence[Hypothesis]) -> list[Sketch]:
+    """Each suspect fitted with all unknowns on the evaluator's records, best first.
+
+    Args:
+        evaluator: records to fit.
+        start: the model without a suspect.
+        base: the calibrated model, for its unknowns.
+        suspects: the model with one effect more each.
+    """
+    shared = concerning(base, evaluator)
+    rows = fit(evaluator, start, shared, max_iterations=0).jacobian
+    bare = fit(evaluator, start, shared, max_iterations=ITERATIONS, jacobian=rows, tolerance=TOLERANCE)
+    sketches = []
+    for suspect in suspects:
+        unknowns = (*shared, *own_unknowns(suspect))
+        try:
+            first = fit(evaluator, suspect, own_unknowns(suspect), max_iterations=ITERATIONS_ALONE, tolerance=TOLERANCE)
+            found = fit(
+                evaluator, first.hypothesis, unknowns, max_iterations=ITERATIONS, jacobian=rows, tolerance=TOLERANCE
+            )
+        except ArithmeticError:
+            continue
+        sketches.append(Sketch(bare, found))
+    return by_share(sketches)

@@ -1,0 +1,87 @@
+"""The evidence: probabilities sum to one, and of two that fit alike the one with fewer numbers is believed."""
+
+from math import log, pi, sqrt
+
+import pytest
+from trial_records import fit_of
+
+from identification.evidence import PLACES, Ranked, log_occam, probabilities, reranked, with_evidence
+from models.effects import Place
+from models.effects.bouc_wen import BoucWen
+from models.effects.point_damping import PointDamping
+from models.effects.point_mass import PointMass
+from models.effects.sensor_gain import SensorGain
+
+HERE = Place(position=0.7)
+MASS = PointMass(HERE, mass=0.3)
+
+
+def ranked(effect, chi2, **about):
+    return Ranked(effect, fit_of(effect, chi2, **about), refitted=True, log_evidence=0.0)
+
+
+def test_probabilities_are_shares_of_the_evidence():
+    assert probabilities([0.0, log(3.0)]) == pytest.approx([0.25, 0.75])
+    assert sum(probabilities([-5.0, 2.0, 1.0])) == pytest.approx(1.0)
+    assert probabilities([-1e6, -1e6 - 800.0]) == pytest.approx([1.0, 0.0])
+
+
+def test_only_differences_of_the_evidence_count():
+    assert probabilities([1.0, 2.0, 3.0]) == pytest.approx(probabilities([-1e5 + 1.0, -1e5 + 2.0, -1e5 + 3.0]))
+
+
+def test_of_two_that_fit_alike_the_one_with_fewer_numbers_is_believed():
+    rich, poor = ranked(BoucWen(HERE, 3.0, 2e-5, 1.0), 1000.0), ranked(MASS, 1000.0)
+
+    assert [r.effect for r in with_evidence([rich, poor])] == [poor.effect, rich.effect]
+
+
+def test_more_numbers_are_believed_where_they_explain_more():
+    rich, poor = ranked(BoucWen(HERE, 3.0, 2e-5, 1.0), 1000.0), ranked(MASS, 1100.0)
+
+    assert with_evidence([poor, rich])[0].effect is rich.effect
+
+
+def test_the_evidence_of_a_log_number_is_laplaces():
+    (only,) = with_evidence([ranked(MASS, 900.0)])
+
+    # Half of chi-square, and the posterior's width 0.01 beside the prior's 1.
+    assert only.log_evidence == pytest.approx(-450.0 + log(0.01))
+
+
+def test_the_occam_factor_of_a_place_and_of_a_linear_number():
+    moving = fit_of(MASS, 900.0, places=True)
+    gain = fit_of(SensorGain(Place(sensor="P3"), gain=0.5), 900.0)
+
+    assert log_occam(moving) == pytest.approx(log(0.01) + log(sqrt(2 * pi) * 0.01 / PLACES))
+    # The prior of a gain is 1 wide, 2 in units of the fitted 0.5.
+    assert log_occam(gain) == pytest.approx(log(0.01 / 2.0))
+
+
+def test_data_that_tell_nothing_cost_nothing():
+    assert log_occam(fit_of(MASS, 900.0, std=50.0)) == 0.0
+
+
+def test_a_misfit_common_to_all_softens_the_judgement():
+    reached = with_evidence([ranked(MASS, 1000.0), ranked(PointDamping(HERE, damping=1.0), 1100.0)])
+    missed = with_evidence([ranked(MASS, 100000.0), ranked(PointDamping(HERE, damping=1.0), 110000.0)])
+
+    def odds(rows):
+        return rows[0].log_evidence - rows[1].log_evidence
+
+    assert odds(reached) == pytest.approx(50.0)
+    assert odds(missed) == pytest.approx(50.0)  # a hundred times the difference, a hundred times the scale
+    assert with_evidence([]) == []
+
+
+def test_a_better_fit_of_the_first_keeps_the_order_honest():
+    rows = with_evidence([ranked(MASS, 1500.0), ranked(PointDamping(HERE, damping=1.0), 1600.0)])
+    out = Ranked(SensorGain(Place(sensor="P3"), gain=0.5), rows[1].fit, refitted=False, log_evidence=-2000.0)
+    behind = out.log_evidence - rows[0].log_evidence
+
+    again = reranked([*rows, out], fit_of(MASS, 1000.0))
+
+    assert [row.effect.kind for row in again] == ["point_mass", "point_damping", "sensor_gain"]
+    assert again[0].fit.chi2 == 1000.0
+    assert again[0].log_evidence - again[1].log_evidence == pytest.approx(300.0)
+    assert again[2].log_evidence - again[0].log_evidence == pytest.approx(behind)

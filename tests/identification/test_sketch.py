@@ -1,0 +1,83 @@
+"""The heats: a suspect far from its size and place is brought to both, and its rivals are seen from its numbers."""
+
+import pytest
+from trial_records import REFERENCE, evaluator_of, fit_of, measured, moved, multisine
+
+from identification.fit import fit
+from identification.hypothesis import Hypothesis, rig_unknowns
+from identification.sketch import Sketch, apart, heats, rivals, sketched
+from models.effects import EFFECTS, Place
+from models.effects.point_damping import PointDamping
+from models.effects.point_mass import PointMass
+from models.effects.squeeze_film import SqueezeFilm
+
+SIGMAS = (0.5, -1.0, 0.3, 0.8, -0.6, 0.4, -0.3, 0.7, -0.5)
+GREASE = SqueezeFilm(Place(sleeve="sleeve 2", position=1.0), damping=2.0)
+DASHPOT = PointDamping(Place(position=1.0), damping=5.0)
+NEAR = ("squeeze_film", "point_damping", "point_mass")
+REGISTRY = {kind: EFFECTS[kind] for kind in NEAR}
+
+
+def sketch(effect, share=0.5):
+    return Sketch(fit_of(effect, 1000.0), fit_of(effect, 1000.0 * (1.0 - share)))
+
+
+@pytest.fixture(scope="module")
+def greased():
+    """The beginning of two records of a rig with grease in sleeve 2, and the rig as given on them."""
+    truth = moved(REFERENCE, *SIGMAS[: len(REFERENCE.parameters())]).with_effects(GREASE)
+    pairs = [measured(truth, multisine(1024, rms=rms, seed=seed), name=f"{rms} N") for seed, rms in ((1, 5), (2, 20))]
+    evaluator = evaluator_of(*pairs)
+    return evaluator, fit(evaluator, Hypothesis(REFERENCE), rig_unknowns(REFERENCE), max_iterations=2)
+
+
+def test_the_truth_is_fitted_from_half_its_size(greased):
+    evaluator, base = greased
+    small = GREASE.scaled(0.5)
+
+    (found,) = sketched(evaluator, Hypothesis(REFERENCE), base, [Hypothesis(REFERENCE, effects=(small,))])
+
+    assert found.fit.ratio < 0.1 * found.base.ratio
+    assert found.effect.damping == pytest.approx(GREASE.damping, rel=0.1)
+
+
+def test_the_rivals_of_a_dashpot_near_a_sleeve_are_the_films_in_it(greased):
+    evaluator, base = greased
+    (imitator,) = sketched(evaluator, Hypothesis(REFERENCE), base, [Hypothesis(REFERENCE, effects=(DASHPOT,))])
+
+    others = rivals(evaluator, base, [imitator], REGISTRY)
+
+    assert abs(imitator.effect.place.position - 1.0) < 0.1
+    assert {h.effects[-1].kind for h in others} == {"squeeze_film", "point_mass"}
+    film = next(h.effects[-1] for h in others if h.effects[-1].kind == "squeeze_film")
+    assert film.place == GREASE.place
+    assert film.damping == pytest.approx(GREASE.damping, rel=1.0)
+
+
+def test_a_sensor_has_no_rivals_and_a_kind_that_fits_alike_is_not_seen_again(greased):
+    evaluator, base = greased
+    alike = [sketch(DASHPOT), sketch(GREASE, 0.45)]
+
+    assert rivals(evaluator, base, [], REGISTRY) == []
+    assert {h.effects[-1].kind for h in rivals(evaluator, base, alike, REGISTRY)} == {"point_mass"}
+
+
+def test_heats_that_start_with_an_imitator_end_with_the_truth(greased):
+    evaluator, base = greased
+
+    first, *others = heats(evaluator, Hypothesis(REFERENCE), base, [DASHPOT], REGISTRY)
+
+    assert first.effect.kind == "squeeze_film"
+    assert first.effect.place.sleeve == "sleeve 2"
+    assert "point_damping" in {other.effect.kind for other in others}
+    assert all(first.share >= other.share for other in others)
+
+
+def test_two_sketches_that_ended_at_one_place_are_one():
+    rows = [sketch(PointMass(Place(position=x), mass=0.1)) for x in (0.7, 0.71, 0.9)]
+
+    assert [row.effect.place.position for row in apart(rows)] == [0.7, 0.9]
+    assert (
+        apart([sketch(GREASE), sketch(PointDamping(Place(position=1.0), damping=1.0))])[1].effect.kind
+        == "point_damping"
+    )
