@@ -11,14 +11,14 @@ from identification.hypothesis import own_unknowns
 from identification.progress import Progress
 from identification.scene import GRID
 from identification.screen import promising, screen, survey
-from identification.sketch import HEATS, Sketch, apart, by_share, heats, sketched
+from identification.sketch import HEATS, Sketch, apart, by_share, heats, sketched_from_calibrated
 from models.effects import Effect, Registry
 from models.rig import Beam
 
 PER_KIND = 2
 """Places of each kind that are sketched."""
 
-MOST_LONG_SKETCHES = 5
+MOST_LONG_SKETCHES = 8
 """Suspects sketched where it takes whole records."""
 
 FINALISTS = 4
@@ -43,16 +43,17 @@ def judge(
         progress: told what is being done.
     """
     sketches: list[Sketch] = []
-    large = base.ratio > LARGE or pulled(base)
+    large, reached = base.ratio > LARGE, False
     for evaluator, there, registry in screening:
         lasting = any(kind.family == "time" for kind in registry.values())
-        if large and not lasting:
+        if lasting or not large:
+            found = promising(screen(evaluator, there, registry, progress), PER_KIND)[:MOST_LONG_SKETCHES]
+            progress(f"sketching {len(found)} suspects on {_seconds(evaluator):.1f} s of records")
+            effects = [suspect.effect for suspect in found]
+            sketches += sketched_from_calibrated(evaluator, there, effects, registry, grown=not lasting)
+            reached = any(sketch.fit.ratio < CLOSE_ENOUGH for sketch in sketches)
+        if not lasting and (large or (pulled(base) and not reached)):
             sketches += _surveyed(evaluator, base, registry, progress)
-            continue
-        found = promising(screen(evaluator, there, registry, progress), PER_KIND)[:MOST_LONG_SKETCHES]
-        progress(f"sketching {len(found)} suspects on {_seconds(evaluator):.1f} s of records")
-        starts = [base.hypothesis.with_effects(suspect.effect) for suspect in found]
-        sketches += sketched(evaluator, base.hypothesis, base, starts)
     return _finals(_best(sketches, FINALISTS, REFITS_PER_KIND), fitting, base, progress)
 
 
@@ -66,7 +67,7 @@ def _surveyed(evaluator: Evaluator, base: Fit, registry: Registry, progress: Pro
     A calibration without the missing effect pulls the numbers to where they imitate it, and the effect added to that
     makes matters worse; from the numbers as given, it helps.
     """
-    start = replace(base.hypothesis, values={}) if pulled(base) else base.hypothesis
+    start = replace(base.hypothesis, values={})
     short = beginning(evaluator, *HEATS[0][:2])
     bare = fit(short, start, concerning(base, short), max_iterations=0)
     structure = start.rig.structure
@@ -90,9 +91,9 @@ def _finals(finalists: Sequence[Sketch], fitting: Evaluator, base: Fit, progress
             ranked.append(Ranked(result.hypothesis.effects[-1], result, refitted=True, log_evidence=0.0))
     ordered = with_evidence(ranked)
     for sketch in ruled_out:
-        behind = 0.5 * (sketch.fit.cost - finalists[0].fit.cost)
-        effect = sketch.effect
-        ordered.append(Ranked(effect, sketch.fit, refitted=False, log_evidence=ordered[0].log_evidence - behind))
+        farther = (sketch.fit.ratio / finalists[0].fit.ratio) ** 2 - 1.0
+        behind = 0.5 * farther * ordered[0].fit.n_data
+        ordered.append(Ranked(sketch.effect, sketch.fit, refitted=False, log_evidence=ordered[0].log_evidence - behind))
     return ordered
 
 

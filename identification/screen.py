@@ -169,7 +169,8 @@ def _trials(
     rig = base.hypothesis.rig
     kinds = [kind for kind in registry.values() if rig.structure.kind in kind.structures]
     places = {kind: places_of(kind, rig) if near is None else places_near(kind, rig, near) for kind in kinds}
-    seen = scenes(evaluator, base.hypothesis, {place for row in places.values() for place in row})
+    wanted = {place for row in places.values() for place in row}
+    seen = scenes(evaluator, base.hypothesis, wanted) if wanted else {}
     present = {(e.kind, e.place) for e in base.hypothesis.effects}
     trials: dict[tuple[str, Place], list[Effect]] = {}
     for kind in kinds:

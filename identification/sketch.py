@@ -6,14 +6,16 @@ numbers are from the truth. So many suspects are fitted on very little, the best
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import inf
 
 from identification.calibrate import beginning, concerning
 from identification.evaluate import Evaluator
 from identification.evidence import log_occam
 from identification.fit import Fit, fit
-from identification.hypothesis import Hypothesis, own_unknowns
+from identification.hypothesis import Hypothesis, Unknown, own_unknowns
 from identification.progress import silent
-from identification.screen import promising, survey
+from identification.screen import Projection, promising, survey
+from models.arrays import FloatArray
 from models.effects import Effect, Registry
 from models.rig import Beam
 
@@ -24,6 +26,12 @@ HEATS: tuple[Heat, ...] = ((0.02, 0.4, 10), (0.1, 0.75, 10))
 
 ITERATIONS_ALONE, ITERATIONS, TOLERANCE = 3, 5, 2e-2
 """Of the suspect by itself, while the rig's numbers are held, and then of all: else these are pulled away first."""
+
+ITERATIONS_TOGETHER = 8
+"""From calibrated numbers."""
+
+SIZES = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
+"""Factors on a suspect's size tried there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +100,11 @@ def rivals(evaluator: Evaluator, base: Fit, sketches: Sequence[Sketch], registry
     seen = {s.effect.kind for s in sketches if s.fit.ratio < ALIKE * sketches[0].fit.ratio}
     others = {name: kind for name, kind in registry.items() if name not in seen and kind.places}
     there = fit(evaluator, bare, concerning(base, evaluator), max_iterations=0)
-    return [bare.with_effects(s.effect) for s in promising(survey(evaluator, there, others, silent, position), 1)]
+    found = promising(survey(evaluator, there, others, silent, position), 1)[:MOST_RIVALS]
+    return [bare.with_effects(suspect.effect) for suspect in found]
+
+
+MOST_RIVALS = 4
 
 
 ALIKE = 1.5
@@ -129,7 +141,7 @@ SAME_PLACE = 0.02
 
 
 def sketched(evaluator: Evaluator, start: Hypothesis, base: Fit, suspects: Sequence[Hypothesis]) -> list[Sketch]:
-    """Each suspect fitted with all unknowns on the evaluator's records, best first.
+    """Each suspect fitted on the evaluator's records, first by itself, then with all unknowns; best first.
 
     Args:
         evaluator: records to fit.
@@ -139,16 +151,85 @@ def sketched(evaluator: Evaluator, start: Hypothesis, base: Fit, suspects: Seque
     """
     shared = concerning(base, evaluator)
     rows = fit(evaluator, start, shared, max_iterations=0).jacobian
-    bare = fit(evaluator, start, shared, max_iterations=ITERATIONS, jacobian=rows, tolerance=TOLERANCE)
+    bare = min(
+        fit(evaluator, start, shared, max_iterations=ITERATIONS, jacobian=rows, tolerance=TOLERANCE),
+        fit(evaluator, base.hypothesis, shared, max_iterations=0),
+        key=lambda f: f.cost,
+    )
     sketches = []
     for suspect in suspects:
-        unknowns = (*shared, *own_unknowns(suspect))
-        try:
-            first = fit(evaluator, suspect, own_unknowns(suspect), max_iterations=ITERATIONS_ALONE, tolerance=TOLERANCE)
-            found = fit(
-                evaluator, first.hypothesis, unknowns, max_iterations=ITERATIONS, jacobian=rows, tolerance=TOLERANCE
-            )
-        except ArithmeticError:
-            continue
-        sketches.append(Sketch(bare, found))
+        own = own_unknowns(suspect)
+        alone = _tried(evaluator, suspect, own, ITERATIONS_ALONE)
+        found = alone and _tried(evaluator, alone.hypothesis, (*shared, *own), ITERATIONS, rows)
+        sketches += [Sketch(bare, found)] if found else []
     return by_share(sketches)
+
+
+def sketched_from_calibrated(
+    evaluator: Evaluator, there: Fit, suspects: Sequence[Effect], registry: Registry, *, grown: bool
+) -> list[Sketch]:
+    """Each suspect, then the rivals of the best, fitted with all unknowns together on whole records; best first.
+
+    Beside the calibrated numbers an effect grows along a narrow, curved valley, in which least squares crawls; grown
+    along with the numbers as given, from the beginning of the records, it lies outside of that valley.
+
+    Args:
+        evaluator: records to fit.
+        there: the calibrated model on them.
+        suspects: effects at trial sizes.
+        registry: kinds to try where the best of them sits.
+        grown: try that second start too.
+    """
+    projection = Projection(there)
+    given = replace(there.hypothesis, values={})
+    windows = [beginning(evaluator, share, seconds) for share, seconds, _ in HEATS] if grown else []
+    bare = [fit(window, given, concerning(there, window), max_iterations=0) for window in windows]
+    sketches = []
+    for suspect in suspects:
+        sizes = [suspect.scaled(factor) for factor in SIZES]
+        starts = [_best_size(evaluator, there.hypothesis, projection, sizes)]
+        if grown:
+            starts += _grown(windows, bare, _best_size(windows[0], given, Projection(bare[0]), sizes))
+        sketches += _together(evaluator, there, starts)
+    for rival in rivals(evaluator, there, by_share(sketches), registry):
+        sketches += _together(evaluator, there, [rival])
+    return by_share(sketches)
+
+
+def _together(evaluator: Evaluator, there: Fit, starts: Sequence[Hypothesis]) -> list[Sketch]:
+    """The best sketch from some starts of one suspect, with all unknowns at once; none where all diverge."""
+    unknowns = (*there.unknowns, *own_unknowns(starts[0]))
+    fits = [found for start in starts if (found := _tried(evaluator, start, unknowns, ITERATIONS_TOGETHER))]
+    return [Sketch(there, min(fits, key=lambda found: found.cost))] if fits else []
+
+
+def _best_size(evaluator: Evaluator, model: Hypothesis, projection: Projection, sizes: Sequence[Effect]) -> Hypothesis:
+    """The model with the effect at the size that leaves least when the rig's numbers do what they can."""
+    trials = [model.with_effects(size) for size in sizes]
+    rows = evaluator.residuals([(trial, None) for trial in trials])
+    left = [inf if row is None else projection.left_of(row) for row in rows]
+    return trials[left.index(min(left))]
+
+
+def _grown(windows: Sequence[Evaluator], bare: Sequence[Fit], suspect: Hypothesis) -> list[Hypothesis]:
+    """The suspect fitted by itself, then with all unknowns on ever more of the records; none where it diverges."""
+    own = own_unknowns(suspect)
+    found = _tried(windows[0], suspect, own, ITERATIONS_ALONE)
+    for window, base in zip(windows, bare, strict=True):
+        if found is not None:
+            found = _tried(window, found.hypothesis, (*base.unknowns, *own), ITERATIONS, base.jacobian)
+    return [] if found is None else [found.hypothesis]
+
+
+def _tried(
+    evaluator: Evaluator,
+    start: Hypothesis,
+    unknowns: Sequence[Unknown],
+    iterations: int,
+    jacobian: FloatArray | None = None,
+) -> Fit | None:
+    """A quick fit, or None where the model to start from diverges."""
+    try:
+        return fit(evaluator, start, unknowns, max_iterations=iterations, jacobian=jacobian, tolerance=TOLERANCE)
+    except ArithmeticError:
+        return None
