@@ -9,17 +9,17 @@ from identification.evaluate import Evaluator, nrmse, scored_spectrum
 from identification.hypothesis import Hypothesis, effect_unknowns
 from identification.prepare import prepare, start_unknowns
 from identification.result import RecordScore, Score
-from models.record import Record
+from models.record import AnyRecord
 
 
-def assess(hypothesis: Hypothesis, records: Sequence[Record], *, jobs: int = 2, seed: int = 0) -> Score:
+def assess(hypothesis: Hypothesis, records: Sequence[AnyRecord], *, jobs: int = 2, seed: int = 0) -> Score:
     """Predict every record from its measured excitation and compare.
 
     The state at the start of records that do not start at rest is estimated first, nothing else is.
 
     Args:
         hypothesis: the model.
-        records: time records.
+        records: of any kind.
         jobs: threads.
         seed: of the noise that is carried through the model.
     """
@@ -29,14 +29,14 @@ def assess(hypothesis: Hypothesis, records: Sequence[Record], *, jobs: int = 2, 
 
 def with_starts(evaluator: Evaluator, hypothesis: Hypothesis) -> Hypothesis:
     """The hypothesis with the starting states that fit its records best; as it is where all start at rest."""
-    unknowns = start_unknowns(hypothesis, [target.record for target in evaluator.targets])
+    unknowns = start_unknowns(hypothesis, [target.record for target in evaluator.timed])
     return calibrate(evaluator, hypothesis, unknowns).hypothesis if unknowns else hypothesis
 
 
 def score(evaluator: Evaluator, hypothesis: Hypothesis) -> Score:
     """Errors of a hypothesis on the evaluator's records, starts as they are."""
     rows: list[RecordScore] = []
-    for target, response in zip(evaluator.targets, evaluator.responses(hypothesis), strict=True):
+    for target, response in zip(evaluator.timed, evaluator.responses(hypothesis), strict=True):
         residual = scored_spectrum(response.channels) - target.measured
         power = np.maximum(np.sum(np.abs(target.measured) ** 2, axis=1), np.finfo(float).tiny)
         rows.append(
@@ -50,15 +50,15 @@ def score(evaluator: Evaluator, hypothesis: Hypothesis) -> Score:
                 channel_noise_nrmse=np.sqrt(target.record.n_samples * target.density.sum(axis=1) / power),
             )
         )
-    return Score(tuple(rows))
+    return Score(tuple(rows), tuple(target.score(hypothesis) for target in evaluator.at_rest))
 
 
-def fit_effects(hypothesis: Hypothesis, records: Sequence[Record], *, jobs: int = 2, seed: int = 0) -> Hypothesis:
+def fit_effects(hypothesis: Hypothesis, records: Sequence[AnyRecord], *, jobs: int = 2, seed: int = 0) -> Hypothesis:
     """Refit the hypothesis's effects together with the rig's toleranced numbers.
 
     Args:
         hypothesis: with effects at trial values.
-        records: time records.
+        records: of any kind.
         jobs: threads.
         seed: of the noise that is carried through the model.
     """

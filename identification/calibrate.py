@@ -1,14 +1,15 @@
 """Bring the rig's toleranced numbers, and the state at the start of moving records, to the measurements.
 
 A wrong frequency turns into a wrong phase that grows with time, so the fit begins on short windows, where the phase is
-still right, and goes on with longer ones.
+still right, and goes on with longer ones. In FRFs it puts a resonance beside the measured one, and the fit begins with
+their soft difference.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from identification.evaluate import Evaluator
+from identification.evaluate import Evaluator, Target
 from identification.fit import Fit, fit
 from identification.hypothesis import LARGEST_SIGMA, Hypothesis, RigUnknown, Unknown, rig_unknowns
 from identification.prepare import MIN_SAMPLES, start_unknowns
@@ -21,7 +22,7 @@ WINDOWS: Windows = ((0.1, 0.5), (0.35, 2.0))
 
 def unknowns_of(hypothesis: Hypothesis, evaluator: Evaluator) -> tuple[Unknown, ...]:
     """What is unknown before any effect is added."""
-    records = [target.record for target in evaluator.targets]
+    records = [target.record for target in evaluator.timed]
     return (*rig_unknowns(hypothesis.rig), *start_unknowns(hypothesis, records))
 
 
@@ -43,7 +44,7 @@ def calibrate(
     """
     for share, seconds in windows if unknowns else ():
         short = beginning(evaluator, share, seconds)
-        if short.n_data < LONGEST_FIRST * evaluator.n_data:
+        if evaluator.at_rest or short.n_data < LONGEST_FIRST * evaluator.n_data:
             hypothesis = fit(short, hypothesis, unknowns, tolerance=1e-2, max_iterations=15).hypothesis
     return fit(evaluator, hypothesis, unknowns, tolerance=tolerance)
 
@@ -53,15 +54,17 @@ LONGEST_FIRST = 0.6
 
 
 def beginning(evaluator: Evaluator, share: float, seconds: float) -> Evaluator:
-    """The records up to where a share of the response's energy has passed, and so many seconds at least.
+    """The time records up to where a share of the response's energy has passed, and so many seconds at least.
+
+    FRFs know no beginning; theirs is the soft difference.
 
     Args:
         evaluator: with the records.
         share: of the energy, so that a sweep or a late hammer blow is seen at all.
         seconds: at least.
     """
-    short = []
-    for target in evaluator.targets:
+    short: list[Target] = [target.soft() for target in evaluator.at_rest]
+    for target in evaluator.timed:
         record = target.record
         power = np.sum((record.responses / (record.responses.std(axis=1, keepdims=True) + TINY)) ** 2, axis=0)
         reached = int(np.searchsorted(np.cumsum(power), share * power.sum()))

@@ -15,12 +15,13 @@ from identification.hypothesis import Hypothesis, effect_unknowns
 from identification.judge import judge, refit, restarted
 from identification.maps import error_map
 from identification.missing_force import missing_forces
-from identification.outcome import added_effects, candidates_of, groups_of, next_experiment, rig_estimates
+from identification.outcome import AT_REST_ONLY, added_effects, candidates_of, groups_of, next_experiment, rig_estimates
 from identification.prepare import Horizon, cut_to, horizons, prepare, resolved
 from identification.progress import Progress, silent
 from identification.result import Diagnosis, Score, Stage, Verdict
+from identification.tangent_ties import is_linear, tied
 from models.effects import EFFECTS, Registry
-from models.record import Record
+from models.record import AnyRecord
 from models.rig import Rig
 from models.simulate import Settings, Trace
 
@@ -66,8 +67,8 @@ class _Session:
 
 def diagnose(
     rig: Rig,
-    records: Sequence[Record],
-    holdout: Sequence[Record] = (),
+    records: Sequence[AnyRecord],
+    holdout: Sequence[AnyRecord] = (),
     *,
     seed: int = 0,
     jobs: int = 2,
@@ -76,14 +77,21 @@ def diagnose(
 ) -> Diagnosis:
     """Find what a rig file lacks to explain its records.
 
+    FRFs and mode shapes are explained by the model linearised at rest; from them alone no nonlinearity can be seen, and
+    the diagnosis says so.
+
     Args:
         rig: as its owner describes it.
-        records: time records.
+        records: of any kind.
         holdout: records kept aside to show what the updated model is worth.
         seed: of every random choice.
         jobs: threads.
         registry: kinds of effects to consider.
         progress: told in words what is done and decided.
+
+    Raises:
+        InputError: a record that does not fit the rig, or does not tell its noise.
+        ArithmeticError: the given rig's motion leaves the finite numbers.
     """
     began = perf_counter()
     given = Hypothesis(rig, registry=registry)
@@ -104,7 +112,7 @@ def diagnose(
             stages[-1] = _stage(session, "calibrated", better.hypothesis)
             if _enough(better):
                 break
-        ranked = _restarted(session, chain[-1], ranked)
+        ranked = _told_apart(session, _restarted(session, chain[-1], ranked))
         rounds.append(ranked)
         chosen = _accept(session, chain[-1], ranked)
         if chosen is None:
@@ -117,18 +125,22 @@ def diagnose(
     return _result(session, given, stages, rounds, verdict, final, holdout, seed, began)
 
 
-def _open(given: Hypothesis, records: Sequence[Record], seed: int, jobs: int, progress: Progress) -> _Session:
+def _open(given: Hypothesis, records: Sequence[AnyRecord], seed: int, jobs: int, progress: Progress) -> _Session:
     progress(f"estimating the noise of {len(records)} records")
     everything = prepare(given, records, jobs, np.random.default_rng(seed))
     limits = horizons(everything, given)
     session = _Session(everything, cut_to(everything, FIT_SECONDS, limits), limits, given.registry, progress)
-    for limit, target in zip(limits, everything.targets, strict=True):
+    for limit, target in zip(limits, everything.timed, strict=True):
         if limit.seconds < target.record.duration:
             session.decide(
                 f"{limit.record}: neighbouring motions part by a factor of {limit.growth:.0e}; "
                 f"only its first {limit.seconds:.2f} s are used to fit"
             )
         session.decide(f"{limit.record}: sensors' noise from {target.noise.method}; {target.noise.excitation_method}")
+    for rest in everything.at_rest:
+        session.decide(f"{rest.record.name}: compared with the model linearised at rest; noise from {rest.method}")
+    if not everything.timed:
+        session.decide(f"{AT_REST_ONLY}: laws are seen by their tangents, and effects in time not at all")
     return session
 
 
@@ -176,7 +188,8 @@ def _enough(result: Fit) -> bool:
 
 def _round(session: _Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
     """Effects ranked, and a calibration without the best of them if that is better than the one so far."""
-    lasting = {name: kind for name, kind in session.registry.items() if kind.family == "time"}
+    timed = bool(session.everything.timed)
+    lasting = {name: kind for name, kind in session.registry.items() if kind.family == "time" and timed}
     instant = {name: kind for name, kind in session.registry.items() if kind.family != "time"}
     screening = []
     for kinds, seconds, most in ((instant, SCREEN_SECONDS, 2), (lasting, TIME_SECONDS, 1)):
@@ -202,6 +215,11 @@ def _restarted(session: _Session, base: Fit, ranked: list[Ranked]) -> list[Ranke
     return reranked(ranked, restarted(session.fitting, base, ranked[0].fit))
 
 
+def _told_apart(session: _Session, ranked: list[Ranked]) -> list[Ranked]:
+    """The ranking without differences that only larger motion could show, where none was seen."""
+    return ranked if session.everything.timed else tied(ranked)
+
+
 def _accept(session: _Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | None:
     """The fit with the best effect, refined, if it explains enough."""
     if not ranked:
@@ -220,6 +238,8 @@ def _accept(session: _Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
         f"{name} added: residual from {base.ratio:.2f} to {best.fit.ratio:.2f} times the noise, "
         f"{min(share, 1.0):.0%} of the misfit beyond the noise; {best.effect.in_words()}"
     )
+    if not session.everything.timed and not is_linear(best.fit.hypothesis):
+        session.decide(f"{name} is seen by its tangent at rest alone: {AT_REST_ONLY}")
     return _refined(session, best.fit)
 
 
@@ -253,7 +273,8 @@ def _refined(session: _Session, result: Fit) -> Fit:
 def _verdict(session: _Session, calibrated: Fit, final: Fit, rounds: Sequence[Sequence[Ranked]]) -> Verdict:
     if not final.hypothesis.effects:
         if not rounds or (calibrated.ratio <= NOISE_NEAR and not strained(calibrated)):
-            session.decide("complete: the calibrated model reaches the noise")
+            motion = "" if session.everything.timed else " for small motion about rest"
+            session.decide(f"complete: the calibrated model reaches the noise{motion}")
             return "complete"
         session.decide("unexplained: nothing in the library explains what is left")
         return "unexplained"
@@ -272,7 +293,7 @@ def _result(
     rounds: Sequence[Sequence[Ranked]],
     verdict: Verdict,
     final: Fit,
-    holdout: Sequence[Record],
+    holdout: Sequence[AnyRecord],
     seed: int,
     began: float,
 ) -> Diagnosis:
@@ -300,7 +321,10 @@ def _result(
         decisions=tuple(session.decisions),
         seconds=perf_counter() - began,
         seed=seed,
-        findings=tuple(f for t in session.everything.targets for f in t.record.findings),
+        findings=(
+            *(f for t in session.everything.timed for f in t.record.findings),
+            *(f"{t.record.name}: {AT_REST_ONLY}" for t in session.everything.at_rest),
+        ),
     )
 
 
@@ -316,12 +340,12 @@ def _polish(session: _Session, final: Fit) -> Fit:
     if whole.n_data == session.fitting.n_data:
         return final
     unknowns = (*unknowns_of(final.hypothesis, whole), *effect_unknowns(final.hypothesis))
-    session.progress(f"last fit on all {sum(t.record.duration for t in whole.targets):.0f} s")
+    session.progress(f"last fit on all {whole.extent}")
     return fit(whole, final.hypothesis, unknowns, max_iterations=4, tolerance=1e-3)
 
 
 def _held_out(
-    session: _Session, given: Hypothesis, updated: Hypothesis, holdout: Sequence[Record], seed: int
+    session: _Session, given: Hypothesis, updated: Hypothesis, holdout: Sequence[AnyRecord], seed: int
 ) -> Mapping[str, Score]:
     if not holdout:
         return {}
@@ -335,5 +359,5 @@ def _held_out(
 
 def _traces(session: _Session, hypothesis: Hypothesis) -> dict[str, Trace]:
     responses = session.everything.responses(hypothesis, Settings(trace=True))
-    rows = zip(session.everything.targets, responses, strict=True)
+    rows = zip(session.everything.timed, responses, strict=True)
     return {target.record.name: response.trace for target, response in rows if response.trace is not None}

@@ -1,4 +1,4 @@
-"""Residuals of hypotheses against records, in units of the noise, on all cores.
+"""Residuals of hypotheses against records of any kind, in units of the noise, on all cores.
 
 The threads share the records; the time stepper and the transforms run outside Python's lock.
 """
@@ -6,7 +6,8 @@ The threads share the records; the time stepper and the transforms run outside P
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, cached_property
+from typing import Protocol
 
 import numpy as np
 from scipy import fft
@@ -15,16 +16,40 @@ from threadpoolctl import threadpool_limits
 
 from identification.hypothesis import Hypothesis
 from identification.noise import Noise
+from identification.rest_target import FrfTarget, ModesTarget
 from models.arrays import ComplexArray, FloatArray
 from models.band_limit import SCORE_EDGE
 from models.errors import DivergenceError
-from models.record import Record
+from models.record import AnyRecord, Record
 from models.simulate import Response, Settings
 
 
+class Target(Protocol):
+    """One record as a fit sees it."""
+
+    @property
+    def record(self) -> AnyRecord:
+        """Measured."""
+
+    @property
+    def n_data(self) -> int:
+        """Real numbers in a residual."""
+
+    @property
+    def nrmse_of_noise(self) -> float:
+        """NRMSE that the noise alone leaves."""
+
+    def residual(self, hypothesis: Hypothesis, settings: Settings) -> FloatArray:
+        """(n_data,) model minus measured in standard deviations of the noise.
+
+        Raises:
+            DivergenceError: the motion left the finite numbers.
+        """
+
+
 @dataclass(frozen=True, eq=False)
-class Target:
-    """One record as a fit sees it.
+class TimeTarget:
+    """A time record as a fit sees it.
 
     Attributes:
         record: measured.
@@ -39,13 +64,13 @@ class Target:
     density: FloatArray
 
     @classmethod
-    def of(cls, record: Record, noise: Noise) -> "Target":
+    def of(cls, record: Record, noise: Noise) -> "TimeTarget":
         """With the sensors' noise alone."""
         measured = scored_spectrum(record.responses)
         sensors = np.maximum(noise.sensors, LEAST_NOISE * record.responses.std(axis=1))
         return cls(record, noise, measured, np.repeat(sensors[:, None] ** 2, measured.shape[1], axis=1))
 
-    def cut(self, n_samples: int) -> "Target":
+    def cut(self, n_samples: int) -> "TimeTarget":
         """The first samples only."""
         if n_samples >= self.record.n_samples:
             return self
@@ -57,13 +82,23 @@ class Target:
         )
         measured = scored_spectrum(short.responses)
         line = np.linspace(0, self.density.shape[1] - 1, measured.shape[1]).astype(int)
-        return Target(short, self.noise, measured, self.density[:, line])
+        return TimeTarget(short, self.noise, measured, self.density[:, line])
+
+    @property
+    def n_data(self) -> int:
+        """Real and imaginary parts of the spectrum."""
+        return 2 * self.measured.size
 
     @property
     def nrmse_of_noise(self) -> float:
         """NRMSE that the noise alone leaves."""
         n = self.record.n_samples
         return float(np.sqrt(n * self.density.sum() / np.sum(np.abs(self.measured) ** 2)))
+
+    def residual(self, hypothesis: Hypothesis, settings: Settings) -> FloatArray:
+        """(n_data,) model minus measured in standard deviations of the noise."""
+        channels = hypothesis.simulated(self.record, settings).channels
+        return whitened(scored_spectrum(channels) - self.measured, self)
 
 
 LEAST_NOISE = 1e-5
@@ -111,29 +146,40 @@ class Evaluator:
         """The same at another resolution."""
         return Evaluator(self.targets, self.jobs, settings)
 
+    @cached_property
+    def timed(self) -> tuple[TimeTarget, ...]:
+        """Those of time records: they can be cut, and their motion can part from its neighbours."""
+        return tuple(target for target in self.targets if isinstance(target, TimeTarget))
+
+    @cached_property
+    def at_rest(self) -> tuple[FrfTarget | ModesTarget, ...]:
+        """Those of small motion about rest, which a fit sees whole or not at all."""
+        return tuple(target for target in self.targets if isinstance(target, FrfTarget | ModesTarget))
+
     @property
     def n_data(self) -> int:
         """Real numbers in a residual."""
-        return sum(2 * target.measured.size for target in self.targets)
+        return sum(target.n_data for target in self.targets)
+
+    @property
+    def extent(self) -> str:
+        """What it holds, in words: ``8.0 s of records and frfs.uff``."""
+        parts = [f"{sum(target.record.duration for target in self.timed):.1f} s of records"] if self.timed else []
+        return " and ".join([*parts, *(target.record.name for target in self.at_rest)])
 
     def responses(self, hypothesis: Hypothesis, settings: Settings | None = None) -> list[Response]:
-        """The model's response to every record.
+        """The model's response to every time record.
 
         Raises:
             DivergenceError: the motion left the finite numbers.
         """
         plant = hypothesis.plant()
 
-        def one(target: Target) -> Response:
+        def one(target: TimeTarget) -> Response:
             return hypothesis.simulated(target.record, settings or self.settings, plant)
 
-        self.n_runs += len(self.targets)
-        return list(_pool(self.jobs).map(one, self.targets))
-
-    def residual_spectra(self, hypothesis: Hypothesis) -> list[ComplexArray]:
-        """Model minus measured, per record, (n, lines)."""
-        responses = self.responses(hypothesis)
-        return [scored_spectrum(r.channels) - t.measured for r, t in zip(responses, self.targets, strict=True)]
+        self.n_runs += len(self.timed)
+        return list(_pool(self.jobs).map(one, self.timed))
 
     def residuals(self, hypotheses: Iterable[tuple[Hypothesis, str | None]]) -> list[FloatArray | None]:
         """Residuals in units of the noise, one row of ``n_data`` numbers a hypothesis, None where it diverges.
@@ -151,17 +197,15 @@ class Evaluator:
         if not jobs:
             return []
         rows: list[FloatArray | None] = [np.zeros(self.n_data) for _ in range(jobs[-1][0] + 1)]
-        ends = np.cumsum([2 * target.measured.size for target in self.targets])
+        ends = np.cumsum([target.n_data for target in self.targets])
 
         def one(job: tuple[int, int, Hypothesis]) -> None:
             number, k, hypothesis = job
-            target = self.targets[k]
             try:
-                channels = hypothesis.simulated(target.record, self.settings).channels
+                part = self.targets[k].residual(hypothesis, self.settings)
             except DivergenceError:
                 rows[number] = None
                 return
-            part = whitened(scored_spectrum(channels) - target.measured, target)
             row = rows[number]
             if row is not None:
                 row[ends[k] - len(part) : ends[k]] = part
@@ -171,7 +215,7 @@ class Evaluator:
         return rows
 
 
-def whitened(residual: ComplexArray, target: Target) -> FloatArray:
+def whitened(residual: ComplexArray, target: TimeTarget) -> FloatArray:
     """Residual in standard deviations of the noise, as real numbers whose squares sum to chi-square."""
     weight = np.sqrt(2.0 / (target.record.n_samples * target.density))
     return np.ascontiguousarray(residual * weight).view(float).ravel()
@@ -188,7 +232,7 @@ def carry_noise(
         rng: of the realisations.
         realisations: simulations averaged.
     """
-    noisy = [t for t in evaluator.targets if t.noise.excitation > 0 and t.record.excitation is not None]
+    noisy = [t for t in evaluator.timed if t.noise.excitation > 0 and t.record.excitation is not None]
     if not noisy:
         return list(evaluator.targets)
     clean = dict(zip([t.record.name for t in noisy], _spectra(evaluator.with_targets(noisy), hypothesis), strict=True))
@@ -197,11 +241,14 @@ def carry_noise(
         shaken = [replace(t, record=_shaken(t.record, t.noise.excitation, rng)) for t in noisy]
         for target, spectrum in zip(shaken, _spectra(evaluator.with_targets(shaken), hypothesis), strict=True):
             power[target.record.name] += np.abs(spectrum - clean[target.record.name]) ** 2
-    targets = []
-    for target in evaluator.targets:
-        base = Target.of(target.record, target.noise)
-        if target.record.name in power:
-            mean = power[target.record.name] / (realisations * target.record.n_samples)
+    targets: list[Target] = []
+    for each in evaluator.targets:
+        if not isinstance(each, TimeTarget):
+            targets.append(each)
+            continue
+        base = TimeTarget.of(each.record, each.noise)
+        if each.record.name in power:
+            mean = power[each.record.name] / (realisations * each.record.n_samples)
             base = replace(base, density=base.density + uniform_filter1d(mean, SMOOTHED_LINES, axis=1))
         targets.append(base)
     return targets

@@ -157,7 +157,7 @@ def _only(evaluator: Evaluator, state: _State, unknown: Unknown, new: FloatArray
     difference = np.zeros_like(new)
     end = 0
     for target in evaluator.targets:
-        start, end = end, end + 2 * target.measured.size
+        start, end = end, end + target.n_data
         if target.record.name == unknown.record:
             difference[start:end] = new[start:end] - state.residual[start:end]
     return difference

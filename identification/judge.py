@@ -48,7 +48,7 @@ def judge(
         lasting = any(kind.family == "time" for kind in registry.values())
         if lasting or not large:
             found = promising(screen(evaluator, there, registry, progress), PER_KIND)[:MOST_LONG_SKETCHES]
-            progress(f"sketching {len(found)} suspects on {_seconds(evaluator):.1f} s of records")
+            progress(f"sketching {len(found)} suspects on {evaluator.extent}")
             effects = [suspect.effect for suspect in found]
             sketches += sketched_from_calibrated(evaluator, there, effects, registry, grown=not lasting)
             reached = any(sketch.fit.ratio < CLOSE_ENOUGH for sketch in sketches)
@@ -85,7 +85,7 @@ def _finals(finalists: Sequence[Sketch], fitting: Evaluator, base: Fit, progress
         if ranked and ranked[0].fit.ratio < CLOSE_ENOUGH and sketch.fit.ratio > RULED_OUT * finalists[0].fit.ratio:
             ruled_out.append(sketch)
             continue
-        progress(f"refitting {sketch.effect.label()} with all numbers on {_seconds(fitting):.0f} s of records")
+        progress(f"refitting {sketch.effect.label()} with all numbers on {fitting.extent}")
         result = refit(fitting, base, sketch.effect, sketch.fit.hypothesis.values)
         if result is not None:
             ranked.append(Ranked(result.hypothesis.effects[-1], result, refitted=True, log_evidence=0.0))
@@ -161,7 +161,3 @@ REFIT_WINDOWS = ((0.35, 2.0),)
 
 REFIT_TOLERANCE = 2e-3
 """Relative decrease of the cost that ends a refit; the one that wins is polished."""
-
-
-def _seconds(evaluator: Evaluator) -> float:
-    return sum(target.record.duration for target in evaluator.targets)

@@ -23,7 +23,7 @@ from dataclasses import replace
 import numpy as np
 from scipy import fft
 
-from identification.evaluate import Evaluator, Target, scored_spectrum
+from identification.evaluate import Evaluator, TimeTarget, scored_spectrum
 from identification.force_estimate import ForceEstimate
 from identification.free_beam import FreeBeam, sensor_rows
 from identification.hypothesis import Hypothesis
@@ -41,7 +41,7 @@ TURNS = 4
 
 
 def missing_forces(evaluator: Evaluator, hypothesis: Hypothesis) -> tuple[MissingForce, ...]:
-    """The force that a model lacks at each sleeve, other place of a law, or mass, in each record.
+    """The force that a model lacks at each sleeve, other place of a law, or mass, in each time record.
 
     Args:
         evaluator: records, with the noise of each line.
@@ -58,7 +58,7 @@ def missing_forces(evaluator: Evaluator, hypothesis: Hypothesis) -> tuple[Missin
     plant = _watched(hypothesis.plant())
     settings = replace(evaluator.settings, trace=True)
     found: list[MissingForce] = []
-    for target in evaluator.targets:
+    for target in evaluator.timed:
         response = simulate(plant, target.record, settings, hypothesis.starts.get(target.record.name))
         if any(port.derivative == 0 for port in response.model.ports):
             found.extend(_Run(target, response).missing_forces())
@@ -79,7 +79,7 @@ def _no_force(t: float, q: float, v: float, z: float, p: Sequence[float]) -> flo
 class _Run:
     """One record beside the model's own run of it."""
 
-    def __init__(self, target: Target, response: Response) -> None:
+    def __init__(self, target: TimeTarget, response: Response) -> None:
         assert response.trace is not None
         self.target, self.response, self.trace = target, response, response.trace
         self.model, self.record = response.model, target.record

@@ -16,6 +16,8 @@ from models.effects import Effect
 TELLABLE = 0.02
 """Candidates with a larger share of the probability than this cannot be excluded."""
 
+AT_REST_ONLY = "from one level of FRFs or mode shapes no nonlinearity can be seen"
+
 LARGEST_LOG_STD = 3.0
 """A standard deviation of more e-folds than this is reported as this: the number is not known at all."""
 
@@ -86,7 +88,9 @@ def groups_of(ranked: Sequence[Ranked], chances: Sequence[float]) -> tuple[tuple
 def next_experiment(
     verdict: Verdict, ranked: Sequence[Ranked], chances: Sequence[float], limits: Sequence[Horizon]
 ) -> dict[str, str | float]:
-    """What to measure next to learn most."""
+    """What to measure next to learn most; without the horizon of any time record, how to see a nonlinearity at all."""
+    if not limits:
+        return {"do": "the same test at a higher level, or a time record", "why": AT_REST_ONLY}
     if any(limit.growth > CHAOTIC for limit in limits):
         return {"do": "repeat at a lower level", "why": "neighbouring motions part too fast to be followed"}
     if verdict == "complete":

@@ -6,13 +6,14 @@ from math import pi
 
 import numpy as np
 
-from identification.evaluate import Evaluator, Target, carry_noise, scored_spectrum, whitened
+from identification.evaluate import Evaluator, Target, TimeTarget, carry_noise, scored_spectrum, whitened
 from identification.hypothesis import Hypothesis, OffsetUnknown, StartUnknown, Unknown
 from identification.noise import estimate_noise
+from identification.rest_target import FrfTarget, ModesTarget
 from models.arrays import FloatArray
 from models.band_limit import STOP_EDGE
 from models.modal import ModalModel, build_modal
-from models.record import Record
+from models.record import AnyRecord, FrfRecord, Record
 from models.simulate import MAX_STEPS_PER_SAMPLE, Settings
 
 DISTURBANCE = 1e-7
@@ -25,17 +26,27 @@ DIVERGENCE_WINDOW = 0.25
 """Seconds over which growth is averaged."""
 
 
-def prepare(hypothesis: Hypothesis, records: Sequence[Record], jobs: int, rng: np.random.Generator) -> Evaluator:
+def prepare(hypothesis: Hypothesis, records: Sequence[AnyRecord], jobs: int, rng: np.random.Generator) -> Evaluator:
     """An evaluator of the records with their noise, that of the excitation carried through the model.
 
     Args:
         hypothesis: the model that carries it.
-        records: time records.
+        records: of any kind.
         jobs: threads.
         rng: for the realisations of the noise.
+
+    Raises:
+        InputError: FRFs with too few lines to tell their noise, or a mode that no sensor sees.
     """
-    evaluator = Evaluator([Target.of(record, estimate_noise(record)) for record in records], jobs)
+    evaluator = Evaluator([target_of(record) for record in records], jobs)
     return evaluator.with_targets(carry_noise(evaluator, hypothesis, rng))
+
+
+def target_of(record: AnyRecord) -> Target:
+    """A record with its noise, as far as the record itself tells it."""
+    if isinstance(record, Record):
+        return TimeTarget.of(record, estimate_noise(record))
+    return FrfTarget.of(record) if isinstance(record, FrfRecord) else ModesTarget.of(record)
 
 
 def start_unknowns(hypothesis: Hypothesis, records: Sequence[Record]) -> tuple[Unknown, ...]:
@@ -84,19 +95,20 @@ def resolved(evaluator: Evaluator, hypothesis: Hypothesis) -> Evaluator:
         evaluator: with the records to judge on.
         hypothesis: the model whose steps are halved until nothing changes.
     """
-    while True:
+    while evaluator.timed:
         coarse = evaluator.responses(hypothesis)
         steps = max(response.steps_per_sample for response in coarse)
         if steps >= MAX_STEPS_PER_SAMPLE:
             return evaluator
         finer = Settings(evaluator.settings.n_modes, 2 * steps)
         error = 0.0
-        for target, one, other in zip(evaluator.targets, coarse, evaluator.responses(hypothesis, finer), strict=True):
+        for target, one, other in zip(evaluator.timed, coarse, evaluator.responses(hypothesis, finer), strict=True):
             change = whitened(scored_spectrum(one.channels - other.channels), target)
             error = max(error, float(np.sqrt(np.mean(change**2))))
         if error * COARSE_SHARE < RESOLVED:
             return evaluator
-        evaluator = Evaluator(evaluator.targets, evaluator.jobs, finer)
+        evaluator = evaluator.with_settings(finer)
+    return evaluator
 
 
 COARSE_SHARE = 4.0 / 3.0
@@ -119,10 +131,10 @@ class Horizon:
 
 
 def horizons(evaluator: Evaluator, hypothesis: Hypothesis) -> list[Horizon]:
-    """Divergence of neighbouring motions in every record, by simulating it twice."""
-    disturbed = [replace(t, record=_disturbed(t.record)) for t in evaluator.targets]
+    """Divergence of neighbouring motions in every time record, by simulating it twice."""
+    disturbed = [replace(t, record=_disturbed(t.record)) for t in evaluator.timed]
     rows = zip(
-        evaluator.targets,
+        evaluator.timed,
         evaluator.responses(hypothesis),
         evaluator.with_targets(disturbed).responses(hypothesis),
         strict=True,
@@ -150,19 +162,19 @@ def _horizon(record: Record, one: FloatArray, other: FloatArray) -> Horizon:
 def cut_to(
     evaluator: Evaluator, seconds: float, limits: Sequence[Horizon], most_records: int | None = None
 ) -> Evaluator:
-    """The first part of the records, ``seconds`` in all, none beyond its horizon.
+    """The first part of the time records, ``seconds`` in all, none beyond its horizon, and the others whole.
 
     Args:
         evaluator: with all records.
-        seconds: of all records together.
-        limits: horizons, in the order of the records.
-        most_records: keep only so many, the loudest, the quietest, and those between.
+        seconds: of all time records together.
+        limits: horizons, in the order of the time records.
+        most_records: keep only so many of them, the loudest, the quietest, and those between.
     """
-    pairs = sorted(zip(evaluator.targets, limits, strict=True), key=lambda pair: -level(pair[0].record))
+    pairs = sorted(zip(evaluator.timed, limits, strict=True), key=lambda pair: -level(pair[0].record))
     if most_records is not None and len(pairs) > most_records:
         chosen = np.unique(np.linspace(0, len(pairs) - 1, most_records).round().astype(int))
         pairs = [pairs[i] for i in chosen]
-    kept: list[Target] = []
+    kept: list[Target] = [*evaluator.at_rest]
     left, remaining = seconds, len(pairs)
     for target, limit in sorted(pairs, key=lambda pair: min(pair[1].seconds, pair[0].record.duration)):
         share = min(left / remaining, limit.seconds, target.record.duration)

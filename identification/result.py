@@ -6,11 +6,12 @@ from typing import Literal
 
 import numpy as np
 
+from identification.at_rest import PairedModes
 from identification.hypothesis import Hypothesis
 from identification.noise import Noise
-from models.arrays import FloatArray
+from models.arrays import ComplexArray, FloatArray
 from models.effects import Effect
-from models.record import Record
+from models.record import FrfRecord, ModeShapeRecord, Record
 from models.simulate import Trace
 
 Verdict = Literal["missing_effect", "complete", "unexplained"]
@@ -39,20 +40,67 @@ class RecordScore:
 
 
 @dataclass(frozen=True, eq=False)
+class FrfScore:
+    """FRFs against one model linearised at rest.
+
+    Attributes:
+        record: measured, above 0 Hz.
+        predicted: (n_sensors, n) SI.
+        method: how the noise was found, in words.
+        nrmse: rms(model - measured) / rms(measured) over all sensors and lines.
+        noise_nrmse: the same for a perfect model.
+        channel_nrmse, channel_noise_nrmse: (n_sensors,) per sensor.
+    """
+
+    record: FrfRecord
+    predicted: ComplexArray
+    method: str
+    nrmse: float
+    noise_nrmse: float
+    channel_nrmse: FloatArray
+    channel_noise_nrmse: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class ModesScore:
+    """Mode shapes against one model linearised at rest.
+
+    Attributes:
+        record: measured.
+        modes: of the model, each with the measured one that it is most like.
+        method: where the noise comes from, in words.
+        nrmse: over the modes, of the relative error of the frequency and that of the scaled shape.
+        noise_nrmse: the same for a perfect model.
+    """
+
+    record: ModeShapeRecord
+    modes: PairedModes
+    method: str
+    nrmse: float
+    noise_nrmse: float
+
+
+@dataclass(frozen=True, eq=False)
 class Score:
-    """Several records against one model; the overall figures are root mean squares of the records'."""
+    """Several records against one model; the overall figures are root mean squares of the records'.
+
+    Attributes:
+        records: time records.
+        at_rest: FRFs and mode shapes.
+    """
 
     records: tuple[RecordScore, ...]
+    at_rest: tuple[FrfScore | ModesScore, ...] = ()
 
     @property
     def nrmse(self) -> float:
         """Overall error."""
-        return float(np.sqrt(np.mean([r.nrmse**2 for r in self.records])))
+        return float(np.sqrt(np.mean([r.nrmse**2 for r in (*self.records, *self.at_rest)])))
 
     @property
     def noise_nrmse(self) -> float:
         """Overall error of a perfect model."""
-        return float(np.sqrt(np.mean([r.noise_nrmse**2 for r in self.records])))
+        return float(np.sqrt(np.mean([r.noise_nrmse**2 for r in (*self.records, *self.at_rest)])))
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +205,7 @@ class Diagnosis:
         stages: the models in order with their errors.
         holdout: ``as given`` and ``updated`` scores on records kept aside; empty if there are none.
         rig_estimates: calibrated numbers of the rig.
-        where: error maps of the calibrated model, one a record.
+        where: error maps of the calibrated model, one a time record.
         missing_forces: of the calibrated model.
         updated_maps: error maps of the final model.
         traces: of the final model, by record name.

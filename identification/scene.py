@@ -7,13 +7,15 @@ import numpy as np
 
 from identification.evaluate import Evaluator
 from identification.hypothesis import Hypothesis
+from identification.rest_target import FrfTarget, ModesTarget
 from models.arrays import FloatArray
 from models.effects.protocol import Effect, Place, Scene
-from models.modal import ModalModel
+from models.linear import frf, linearised
+from models.modal import ModalModel, build_modal
 from models.plant import Plant
 from models.ports import Port
 from models.record import Record
-from models.rig import Beam, Rig, Sensor
+from models.rig import Beam, Excitation, Rig, Sensor
 from models.simulate import Response, simulate
 
 GRID = 12
@@ -51,6 +53,9 @@ NEAR = 0.08
 def scenes(evaluator: Evaluator, hypothesis: Hypothesis, places: Collection[Place]) -> dict[Place, Scene]:
     """The scene at every place, from the motion that the hypothesis predicts there.
 
+    FRFs and mode shapes know no level: without time records the motion is that under an excitation of 1 rms (N, m, m/s
+    or m/s^2), spread over their lines.
+
     Args:
         evaluator: records to simulate.
         hypothesis: the model so far.
@@ -59,9 +64,11 @@ def scenes(evaluator: Evaluator, hypothesis: Hypothesis, places: Collection[Plac
     plant = hypothesis.plant()
     positions = sorted({place.position for place in places}, key=lambda p: p or 0.0)
     watched = replace(plant, sensors=tuple(_probes(positions)), effects=())
+    if not evaluator.timed:
+        return _scenes_at_rest(evaluator.at_rest, watched, places, positions)
     size: dict[float | None, tuple[float, float, float]] = dict.fromkeys(positions, (TINY, TINY, 0.0))
     force = 0.0
-    for target in evaluator.targets:
+    for target in evaluator.timed:
         record = replace(target.record, sensors=tuple(sensor.name for sensor in watched.sensors))
         response = simulate(watched, record, evaluator.settings, hypothesis.starts.get(record.name))
         moved, speed = response.channels[0::2], response.channels[1::2]
@@ -74,10 +81,49 @@ def scenes(evaluator: Evaluator, hypothesis: Hypothesis, places: Collection[Plac
             )
         force = max(force, _force(target.record, response, speed))
     rest = _at_rest(response.model, positions)
+    duration = max(target.record.duration for target in evaluator.timed)
     return {
-        place: _scene(place, plant, size[place.position], force or 1.0, rest[place.position], evaluator)
+        place: _scene(place, plant, size[place.position], force or 1.0, rest[place.position], duration)
         for place in places
     }
+
+
+def _scenes_at_rest(
+    targets: Sequence[FrfTarget | ModesTarget],
+    watched: Plant,
+    places: Collection[Place],
+    positions: Sequence[float | None],
+) -> dict[Place, Scene]:
+    """The scenes under an excitation of 1 rms; of a rig without one, under a force at the free end."""
+    if watched.excitation is None:
+        end = watched.structure.length if watched.structure.is_beam else None
+        watched = replace(watched, excitation=Excitation(quantity="force", position=end))
+    names = [sensor.name for sensor in watched.sensors]
+    square, duration = np.zeros(len(names)), 0.0
+    for target in targets:
+        linear = linearised(build_modal(watched, float(target.frequency.max())))
+        motion = frf(linear, target.frequency, names, target.excitation_position)
+        square = np.maximum(square, np.mean(np.abs(motion) ** 2, axis=1))
+        duration = max(duration, 1.0 / float(np.median(np.diff(target.frequency))))
+    largest, speed = CREST * np.sqrt(square[0::2]), np.sqrt(square[1::2])
+    depth = {c.position: d for c, d in zip(watched.contacts, linear.model.rest.penetration.tolist(), strict=True)}
+    force = 1.0 if watched.excitation is not None and watched.excitation.quantity == "force" else _carried(linear.model)
+    rest = _at_rest(linear.model, positions)
+    found = {}
+    for place in places:
+        i = positions.index(place.position)
+        deepest = max(0.0, depth[place.position] + largest[i]) if place.position in depth else 0.0
+        size = max(TINY, float(largest[i])), max(TINY, float(speed[i])), float(deepest)
+        found[place] = _scene(place, watched, size, force, rest[place.position], duration)
+    return found
+
+
+CREST = 3.0
+"""Largest value of a random motion over its rms."""
+
+
+def _carried(model: ModalModel) -> float:
+    return float(np.sum(model.carried**2))
 
 
 def _at_rest(model: ModalModel, positions: Sequence[float | None]) -> dict[float | None, float]:
@@ -118,11 +164,11 @@ def _force(record: Record, response: Response, speed: FloatArray) -> float:
     if record.excitation is not None and excitation is not None and excitation.quantity == "force":
         return float(np.sqrt(np.mean(record.excitation**2)))
     acceleration = np.gradient(speed[-1]) * record.fs
-    return float(np.sum(response.model.carried**2) * np.sqrt(np.mean(acceleration**2)))
+    return float(_carried(response.model) * np.sqrt(np.mean(acceleration**2)))
 
 
 def _scene(
-    place: Place, plant: Plant, size: tuple[float, float, float], force: float, rest: float, evaluator: Evaluator
+    place: Place, plant: Plant, size: tuple[float, float, float], force: float, rest: float, duration: float
 ) -> Scene:
     return Scene(
         place=place,
@@ -132,7 +178,7 @@ def _scene(
         velocity=size[1],
         force=force,
         penetration=size[2],
-        duration=max(target.record.duration for target in evaluator.targets),
+        duration=duration,
         driven_base=plant.excitation is not None and plant.excitation.quantity != "force",
         rest=rest,
     )

@@ -243,11 +243,16 @@ def measurement_chain(plant: Plant, sensors: Sequence[str], frequency: FloatArra
     fs = CHAIN_RATE * float(np.max(frequency))
     impulse = np.zeros(CHAIN_SAMPLES)
     impulse[CHAIN_SAMPLES // 2] = 1.0
-    kernel = np.exp(-2j * np.pi * np.outer(np.arange(CHAIN_SAMPLES) - CHAIN_SAMPLES // 2, frequency) / fs)
+
+    def spectrum(signal: FloatArray) -> ComplexArray:
+        late = np.flatnonzero(np.any(np.atleast_2d(signal), axis=0))
+        kernel = np.exp(-2j * np.pi * np.outer(late - CHAIN_SAMPLES // 2, frequency) / fs)
+        return np.asarray(signal[..., late] @ kernel)
+
     for effect in plant.effects:
         measurement = Measurement(tuple(sensors), fs, dict.fromkeys(effect.record_parameters, 0.0))
         sent = np.tile(impulse, (len(sensors), 1))
         read = effect.change_channels(sent, measurement) - effect.change_channels(np.zeros_like(sent), measurement)
-        chain *= read @ kernel
-        chain *= effect.change_excitation(impulse.copy()) @ kernel
+        chain *= spectrum(read)
+        chain *= spectrum(effect.change_excitation(impulse.copy()))
     return chain

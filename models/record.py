@@ -3,11 +3,11 @@
 Files are read elsewhere (``testbed.records``); here is only what the models and the identification need to know.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from models.arrays import ComplexArray, FloatArray
+from models.arrays import BoolArray, ComplexArray, FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +67,7 @@ class FrfRecord:
         sensors: names of the rig's sensors, in the order of ``values``.
         values: (n_sensors, n) response per unit excitation, SI.
         excitation_position: m from the clamp, where it differs from the rig's.
+        coherence: (n_sensors, n) of each response with the excitation, or None where the file has none.
     """
 
     name: str
@@ -74,6 +75,20 @@ class FrfRecord:
     sensors: tuple[str, ...]
     values: ComplexArray
     excitation_position: float | None = None
+    coherence: FloatArray | None = None
+
+    def above_0_hz(self) -> "FrfRecord":
+        """Without a line at 0 Hz, where an accelerometer reads nothing and a transmissibility is 0 / 0."""
+        return self.at_lines(self.frequency > 0)
+
+    def at_lines(self, lines: slice | BoolArray) -> "FrfRecord":
+        """On some of the lines only."""
+        return replace(
+            self,
+            frequency=self.frequency[lines],
+            values=self.values[:, lines],
+            coherence=None if self.coherence is None else self.coherence[:, lines],
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,30 +1,24 @@
 """A model against records of any kind: time histories, FRFs, mode shapes."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from identification.assess import assess
+from identification.at_rest import PairedModes, paired_modes, predicted_frfs
 from identification.frf import estimate_frf
 from identification.hypothesis import Hypothesis
 from identification.result import RecordScore, Score
 from models.arrays import ComplexArray, FloatArray
 from models.band_limit import SCORE_EDGE
-from models.linear import Linearised, frf, linearised, measurement_chain, natural_modes
-from models.modal import build_modal
 from models.record import AnyRecord, FrfRecord, ModeShapeRecord, Record
-from testbed.metrics import mac
 
 SEGMENTS_PER_RECORD = 8.0
 """Segments without overlap into which a record is cut for its FRFs, where its excitation does not repeat."""
 
 LEAST_COHERENCE = 0.5
 """Lines at which no sensor is coherent with the excitation to this degree were not excited and carry no FRF."""
-
-MODES_BEYOND = 1.5
-"""The model's modes are looked for up to this many times the highest measured natural frequency."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,9 +94,13 @@ def compare(hypothesis: Hypothesis, records: Sequence[AnyRecord], *, seed: int =
         score,
         (
             *(score_frfs(score) if score is not None else ()),
-            *(frf_pair(hypothesis, record) for record in records if isinstance(record, FrfRecord)),
+            *(_rest_frf_pair(hypothesis, record) for record in records if isinstance(record, FrfRecord)),
         ),
-        tuple(mode_pair(hypothesis, record) for record in records if isinstance(record, ModeShapeRecord)),
+        tuple(
+            mode_pair(record, paired_modes(hypothesis, record))
+            for record in records
+            if isinstance(record, ModeShapeRecord)
+        ),
     )
 
 
@@ -132,47 +130,27 @@ def _estimated(row: RecordScore) -> FrfPair:
     return FrfPair(record.name, record.sensors, estimate.frequency[lines], estimate.h1[:n, lines], predicted, coherence)
 
 
-def frf_pair(hypothesis: Hypothesis, record: FrfRecord) -> FrfPair:
-    """Measured FRFs beside those of the model linearised at rest, above 0 Hz.
+def frf_pair(record: FrfRecord, predicted: ComplexArray) -> FrfPair:
+    """Measured FRFs beside predicted ones.
 
     Args:
-        hypothesis: the model.
-        record: the FRFs.
-
-    Raises:
-        InputError: the rig has no excitation.
+        record: above 0 Hz.
+        predicted: (n_sensors, n) SI.
     """
-    lines = record.frequency > 0
-    frequency = record.frequency[lines]
-    linear = _linear(hypothesis, float(frequency.max()), record.excitation_position)
-    predicted = frf(linear, frequency, record.sensors)
-    return FrfPair(record.name, record.sensors, frequency, record.values[:, lines], predicted, None)
+    return FrfPair(record.name, record.sensors, record.frequency, record.values, predicted, record.coherence)
 
 
-def mode_pair(hypothesis: Hypothesis, record: ModeShapeRecord) -> ModePair:
-    """Measured modes beside those of the model linearised at rest, paired so that frequencies and shapes agree best.
+def _rest_frf_pair(hypothesis: Hypothesis, record: FrfRecord) -> FrfPair:
+    above = record.above_0_hz()
+    return frf_pair(above, predicted_frfs(hypothesis, above))
+
+
+def mode_pair(record: ModeShapeRecord, modes: PairedModes) -> ModePair:
+    """Measured modes beside those of a model.
 
     Args:
-        hypothesis: the model.
         record: the mode shapes.
+        modes: each with the measured one that it is most like.
     """
-    highest = MODES_BEYOND * float(record.natural_freqs.max())
-    linear = _linear(hypothesis, highest, None)
-    named = {sensor.name: sensor for sensor in linear.model.plant.sensors}
-    modes = natural_modes(linear, [named[name] for name in record.sensors], highest)
-    read = modes.shapes * measurement_chain(linear.model.plant, record.sensors, modes.natural_freqs).T
-    likeness = mac(read, record.shapes)
-    apart = np.abs(np.log(modes.natural_freqs[:, None] / record.natural_freqs[None, :]))
-    model, measured = linear_sum_assignment(1.0 - likeness + apart)
-    blank = np.full(len(record.natural_freqs), np.nan)
-    freqs, damping, pair_mac = blank.copy(), blank.copy(), blank.copy()
-    freqs[measured], damping[measured] = modes.natural_freqs[model], modes.damping_ratios[model]
-    pair_mac[measured] = likeness[model, measured]
-    return ModePair(record.name, record.natural_freqs, freqs, record.damping_ratios, damping, pair_mac)
-
-
-def _linear(hypothesis: Hypothesis, band: float, position: float | None) -> Linearised:
-    plant = hypothesis.plant()
-    if position is not None and plant.excitation is not None:
-        plant = replace(plant, excitation=plant.excitation.model_copy(update={"position": position}))
-    return linearised(build_modal(plant, band))
+    freqs, damping = modes.natural_freqs, modes.damping_ratios
+    return ModePair(record.name, record.natural_freqs, freqs, record.damping_ratios, damping, modes.mac)

@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
+from identification.metrics import BAND_LINES, channel_csac, channel_csf, frac, mre, nrmse, overall_nrmse
 from identification.result import RecordScore
 from models.arrays import FloatArray
 from testbed.compare import Comparison, FrfPair, ModePair
-from testbed.metrics import BAND_LINES, channel_csac, channel_csf, frac, mre, nrmse, overall_nrmse
 
 Json = dict[str, Any]
 

@@ -6,17 +6,27 @@ from typing import Any
 import numpy as np
 
 from identification.hypothesis import Hypothesis
-from identification.result import AddedEffect, Candidate, Diagnosis, ErrorMap, Estimate, MissingForce, Score
+from identification.result import (
+    AddedEffect,
+    Candidate,
+    Diagnosis,
+    ErrorMap,
+    Estimate,
+    FrfScore,
+    MissingForce,
+    ModesScore,
+    Score,
+)
 from models.arrays import FloatArray
 from models.effects import Effect, entry_of
-from models.record import Record
+from models.record import AnyRecord
 from models.rig import Rig
 
 Json = dict[str, Any]
 
 
 def diagnose_to_json(
-    rig: Rig, records: Sequence[Record], holdout: Sequence[Record] = (), seed: int = 0, jobs: int = 2
+    rig: Rig, records: Sequence[AnyRecord], holdout: Sequence[AnyRecord] = (), seed: int = 0, jobs: int = 2
 ) -> Json:
     """Diagnose and say the result as ``diagnosis.json`` does.
 
@@ -107,13 +117,33 @@ def _holdout(scores: Mapping[str, Score]) -> Json:
 
 
 def _where(diagnosis: Diagnosis) -> Json:
-    """The worst sensor, band and time window of each record for the calibrated model, and the forces it lacks."""
+    """The worst sensor, band and time window of each time record for the calibrated model, and the forces it lacks.
+
+    FRFs and mode shapes have their errors, as given and updated, under ``linear``.
+    """
     sensors = {score.record.name: score.record.sensors for score in diagnosis.final.score.records}
     return {
         "records": [_worst(error_map, sensors[error_map.record]) for error_map in diagnosis.where],
         "forces": [_force(force) for force in diagnosis.missing_forces],
         "findings": list(diagnosis.findings),
+        "linear": {
+            label: [_linear(row) for row in stage.score.at_rest]
+            for label, stage in (("as given", diagnosis.stages[0]), ("updated", diagnosis.final))
+        },
     }
+
+
+def _linear(row: FrfScore | ModesScore) -> Json:
+    """How near a model comes to FRFs, by their worst sensor too, or to modes: mean relative error of frequency, MAC."""
+    common = {"record": row.record.name, "nrmse": row.nrmse, "noise_nrmse": row.noise_nrmse}
+    if isinstance(row, FrfScore):
+        worst = int(np.argmax(row.channel_nrmse))
+        return {**common, "sensor": {"name": row.record.sensors[worst], "error": float(row.channel_nrmse[worst])}}
+    found = ~np.isnan(row.modes.mac)
+    errors = np.abs(row.modes.natural_freqs / row.record.natural_freqs - 1.0)[found]
+    if not found.any():
+        return {**common, "freq_error": None, "mac": None}
+    return {**common, "freq_error": float(errors.mean()), "mac": float(row.modes.mac[found].mean())}
 
 
 def _worst(error_map: ErrorMap, sensors: Sequence[str]) -> Json:

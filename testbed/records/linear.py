@@ -20,7 +20,8 @@ def frf_record(recording: FrfRecording, rig: Rig, expected: tuple[str, ...]) -> 
         expected: names of the sensors to keep.
 
     Raises:
-        InputError: several references, a reference or sensor that cannot be found, units, values that are no numbers.
+        InputError: several references, a reference or sensor that cannot be found, units, values that are no numbers,
+            a coherence that is none.
     """
     file = recording.file
     _check_frequency(recording.frequency, file)
@@ -35,6 +36,7 @@ def frf_record(recording: FrfRecording, rig: Rig, expected: tuple[str, ...]) -> 
             f"{file}: FRFs from several references ({shown})", "a record has one", "write one file for each"
         )
     values: dict[str, ComplexArray] = {}
+    coherence: dict[str, FloatArray] = {}
     for frf in recording.frfs:
         sensor = sensor_of(frf.response, rig.sensors)
         if sensor is None or sensor.name not in expected:
@@ -44,6 +46,8 @@ def frf_record(recording: FrfRecording, rig: Rig, expected: tuple[str, ...]) -> 
                 f"{file}: several FRFs match {sensor.name}", "each sensor has one", "remove the others from the file"
             )
         values[sensor.name] = _si_values(frf, Measured.of(sensor), rig.excitation, recording)
+        if frf.coherence is not None:
+            coherence[sensor.name] = _checked_coherence(frf.coherence, f"{file}: coherence of {sensor.name}")
     if not values:
         raise no_sensor(file, (frf.response for frf in recording.frfs), rig)
     names = tuple(name for name in expected if name in values)
@@ -53,6 +57,7 @@ def frf_record(recording: FrfRecording, rig: Rig, expected: tuple[str, ...]) -> 
         sensors=names,
         values=np.stack([values[name] for name in names]),
         excitation_position=locate(recording.frfs[0].reference, rig, file),
+        coherence=np.stack([coherence[name] for name in names]) if len(coherence) == len(names) else None,
     )
 
 
@@ -108,6 +113,21 @@ def _check_finite(values: ComplexArray, where: str) -> None:
         raise InputError(
             f"{where} {bad[0]} is {values[bad[0]]}", "all values are finite", "repair or remove the channel"
         )
+
+
+def _checked_coherence(values: FloatArray, where: str) -> FloatArray:
+    outside = np.flatnonzero(~((values >= 0.0) & (values <= 1.0 + ROUNDING)))
+    if outside.size:
+        raise InputError(
+            f"{where}, sample {outside[0]} is {values[outside[0]]:g}",
+            "a coherence is from 0 to 1",
+            "repair or remove the channel",
+        )
+    return np.minimum(values, 1.0)
+
+
+ROUNDING = 1e-5
+"""A coherence of 1 in single precision."""
 
 
 def _check_frequency(frequency: FloatArray, file: str) -> None:

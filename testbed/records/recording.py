@@ -67,11 +67,12 @@ class Recording:
 
 @dataclass(frozen=True, eq=False)
 class RawFrf:
-    """One measured FRF: who responded, who excited, and (n,) complex values."""
+    """One measured FRF: who responded, who excited, (n,) complex values, and (n,) coherence where the file has it."""
 
     response: Tag
     reference: Tag
     values: ComplexArray
+    coherence: FloatArray | None = None
 
 
 @dataclass(frozen=True, eq=False)

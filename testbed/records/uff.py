@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from models.arrays import FloatArray
 from models.errors import InputError
 from testbed.records.recording import AnyRecording, FrfRecording, RawChannel, RawFrf, Recording, Tag
 from testbed.records.time_base import likely_rate
@@ -14,7 +15,7 @@ from testbed.records.uff_modes import mode_recording
 
 HOLDS = "datasets between lines of -1, with time responses or FRFs (58) or mode shapes (55)"
 
-GENERAL, TIME_RESPONSE, FRF = 0, 1, 4
+GENERAL, TIME_RESPONSE, FRF, COHERENCE = 0, 1, 4, 6
 """Function types of dataset 58."""
 
 TIME, FREQUENCY = 17, 18
@@ -54,7 +55,8 @@ def read(path: Path) -> AnyRecording:
     if times:
         return _time_recording(times, len(functions) - len(times), path.name, unlabelled)
     if frfs:
-        return _frf_recording(frfs, path.name, unlabelled)
+        coherences = [d for d in functions if d["func_type"] == COHERENCE]
+        return _frf_recording(frfs, coherences, path.name, unlabelled)
     return mode_recording(datasets, path.name, HOLDS)
 
 
@@ -179,7 +181,9 @@ def _time_recording(times: Sequence[Dataset], n_others: int, file: str, unlabell
     )
 
 
-def _frf_recording(frfs: Sequence[Dataset], file: str, unlabelled: dict[str, float]) -> FrfRecording:
+def _frf_recording(
+    frfs: Sequence[Dataset], coherences: Sequence[Dataset], file: str, unlabelled: dict[str, float]
+) -> FrfRecording:
     first = frfs[0]
     for dataset in frfs:
         shown = _response(dataset).shown
@@ -197,9 +201,25 @@ def _frf_recording(frfs: Sequence[Dataset], file: str, unlabelled: dict[str, flo
     return FrfRecording(
         file,
         np.asarray(first["x"], float),
-        tuple(RawFrf(_response(d), _reference(d), np.asarray(d["data"], complex)) for d in frfs),
+        tuple(
+            RawFrf(_response(d), _reference(d), np.asarray(d["data"], complex), _coherence_of(d, coherences))
+            for d in frfs
+        ),
         unlabelled,
     )
+
+
+def _coherence_of(frf: Dataset, coherences: Sequence[Dataset]) -> FloatArray | None:
+    """The coherence between the same two points on the same lines, whatever their signs."""
+    for dataset in coherences:
+        if _points(dataset) == _points(frf) and _same_abscissa(dataset, frf):
+            return np.asarray(np.real(dataset["data"]), float)
+    return None
+
+
+def _points(dataset: Dataset) -> tuple[int, int, int, int]:
+    directions = abs(int(dataset["rsp_dir"])), abs(int(dataset["ref_dir"]))
+    return int(dataset["rsp_node"]), int(dataset["ref_node"]), *directions
 
 
 def _same_abscissa(a: Dataset, b: Dataset) -> bool:

@@ -6,10 +6,10 @@ import numpy as np
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from identification.result import Diagnosis, ErrorMap, MissingForce, RecordScore, Score, Stage
+from identification.result import Diagnosis, ErrorMap, FrfScore, MissingForce, RecordScore, Score, Stage
 from models.errors import InputError
 from models.rig import Rig
-from testbed.compare import FrfPair, score_frfs
+from testbed.compare import FrfPair, frf_pair, score_frfs
 from testbed.figures.report_calibration import plot_pulls
 from testbed.figures.report_errors import plot_error_steps, plot_holdout
 from testbed.figures.report_force import plot_force_in_time, plot_force_over
@@ -75,14 +75,18 @@ def _wrapped(label: str) -> str:
 def frf_pictures(diagnosis: Diagnosis, rig: Rig) -> list[Picture]:
     """Measured, given and final FRFs of each record shown; a record without excitation or too short has none."""
     models = [diagnosis.stages[0]] + ([diagnosis.final] if len(diagnosis.stages) > 1 else [])
+    at_rest = (row.record.name for row in diagnosis.final.score.at_rest if isinstance(row, FrfScore))
     return [
         _frf_picture(pairs, models, diagnosis, rig)
-        for name in shown_records(diagnosis)
+        for name in (*shown_records(diagnosis), *at_rest)
         if (pairs := [pair for stage in models if (pair := _pair(stage, name)) is not None])
     ]
 
 
 def _pair(stage: Stage, name: str) -> FrfPair | None:
+    for frfs in stage.score.at_rest:
+        if isinstance(frfs, FrfScore) and frfs.record.name == name:
+            return frf_pair(frfs.record, frfs.predicted)
     rows = tuple(row for row in stage.score.records if row.record.name == name)
     try:
         return next(iter(score_frfs(Score(rows))), None)
@@ -102,9 +106,9 @@ def _frf_picture(pairs: Sequence[FrfPair], models: Sequence[Stage], diagnosis: D
     edges = {"left": 0.055, "right": 0.995, "bottom": 0.45 / height, "top": 1.0 - 0.5 / height}
     grid = figure.add_gridspec(rows, columns, hspace=0.42, wspace=0.11, **edges)
     for k, i in enumerate(chosen):
-        pair_grid = grid[k // columns, k % columns].subgridspec(2, 1, height_ratios=(4, 1), hspace=0.12)
-        top = figure.add_subplot(pair_grid[0])
-        strip = figure.add_subplot(pair_grid[1], sharex=top)
+        cell = grid[k // columns, k % columns]
+        pair_grid = cell.subgridspec(2, 1, height_ratios=(4, 1), hspace=0.12)
+        top = lowest = figure.add_subplot(cell if measured.coherence is None else pair_grid[0])
         curves = [
             Curve(stage.label, COLOURS[stage_kind(diagnosis, stage)], pair.predicted[i])
             for stage, pair in zip(models, pairs, strict=False)
@@ -112,18 +116,17 @@ def _frf_picture(pairs: Sequence[FrfPair], models: Sequence[Stage], diagnosis: D
         title = f"{measured.sensors[i]}  [{frf_unit(rig, measured.sensors[i])}]"
         plot_frfs(top, measured.frequency, measured.measured[i], curves, title)
         if measured.coherence is not None:
-            plot_coherence_strip(strip, measured.frequency, measured.coherence[i])
+            lowest = figure.add_subplot(pair_grid[1], sharex=top)
+            plot_coherence_strip(lowest, measured.frequency, measured.coherence[i])
+        lowest.tick_params(labelbottom=True)
         if k >= len(chosen) - columns:
-            strip.set_xlabel("frequency [Hz]")
+            lowest.set_xlabel("frequency [Hz]")
     handles, labels = figure.axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="upper center", ncols=len(labels))
     left_out = len(measured.sensors) - len(chosen)
     omitted = f" {left_out} sensors that the given model misses less are left out." if left_out else ""
-    return picture(
-        figure,
-        f"FRFs of {measured.record}",
-        f"{measured.record}: FRF magnitude (H1), and below each the coherence of the measurement (shaded).{omitted}",
-    )
+    coherence = "" if measured.coherence is None else ", and below each the coherence of the measurement (shaded)"
+    return picture(figure, f"FRFs of {measured.record}", f"{measured.record}: FRF magnitude{coherence}.{omitted}")
 
 
 def map_pictures(diagnosis: Diagnosis, rig: Rig) -> list[Picture]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from identification.evaluate import LEAST_NOISE
-from identification.result import Diagnosis, Estimate, RecordScore
+from identification.result import Diagnosis, Estimate, FrfScore, ModesScore, RecordScore, Score
 from models.arrays import FloatArray
 from models.band_limit import PASS_EDGE, SCORE_EDGE, STOP_EDGE
 from models.rig import Rig
@@ -120,7 +120,62 @@ def record_rows(diagnosis: Diagnosis, rig: Rig) -> list[Row]:
     held = {row.record.name: row for row in diagnosis.holdout["as given"].records} if diagnosis.holdout else {}
     aside = diagnosis.holdout["updated"].records if "updated" in diagnosis.holdout else ()
     rows = [_record_row(row, given.get(row.record.name), rig, "") for row in diagnosis.final.score.records]
-    return rows + [_record_row(row, held.get(row.record.name), rig, "kept aside") for row in aside]
+    rows += [_record_row(row, held.get(row.record.name), rig, "kept aside") for row in aside]
+    return (
+        rows
+        + _rest_rows(diagnosis.stages[0].score, diagnosis.final.score, "")
+        + (
+            _rest_rows(diagnosis.holdout["as given"], diagnosis.holdout["updated"], "kept aside")
+            if {"as given", "updated"} <= set(diagnosis.holdout)
+            else []
+        )
+    )
+
+
+def _rest_rows(given: Score, final: Score, note: str) -> list[Row]:
+    """FRFs and mode shapes."""
+    return [
+        {
+            "name": row.record.name,
+            "note": note,
+            "level": "",
+            "length": _extent(row),
+            "given": percent(first.nrmse),
+            "updated": percent(row.nrmse),
+            "noise": percent(row.noise_nrmse),
+            "method": row.method,
+            "start": "small motion about rest",
+        }
+        for first, row in zip(given.at_rest, final.at_rest, strict=True)
+    ]
+
+
+def _extent(row: FrfScore | ModesScore) -> str:
+    if isinstance(row, ModesScore):
+        return f"{len(row.record.natural_freqs)} modes"
+    frequency = row.record.frequency
+    return f"{len(frequency)} lines, {frequency[0]:.4g} to {frequency[-1]:.4g} Hz"
+
+
+def mode_tables(diagnosis: Diagnosis) -> list[Mapping[str, object]]:
+    """Each record of mode shapes with its modes beside those of the given and of the final model."""
+    pairs = zip(diagnosis.stages[0].score.at_rest, diagnosis.final.score.at_rest, strict=True)
+    return [
+        {
+            "record": row.record.name,
+            "rows": [
+                {"measured": f"{freq:.5g} Hz", "given": _mode(first, k), "updated": _mode(row, k)}
+                for k, freq in enumerate(row.record.natural_freqs)
+            ],
+        }
+        for first, row in pairs
+        if isinstance(first, ModesScore) and isinstance(row, ModesScore)
+    ]
+
+
+def _mode(row: ModesScore, k: int) -> str:
+    freq, mac = row.modes.natural_freqs[k], row.modes.mac[k]
+    return "none" if np.isnan(freq) else f"{freq:.5g} Hz, MAC {mac:.3f}"
 
 
 def _record_row(row: RecordScore, given: RecordScore | None, rig: Rig, note: str) -> Row:
@@ -145,9 +200,9 @@ def _record_row(row: RecordScore, given: RecordScore | None, rig: Rig, note: str
 
 def channel_rows(diagnosis: Diagnosis) -> list[Mapping[str, object]]:
     """Each record with the errors of its channels, as given and of the final model."""
-    given = {row.record.name: row for row in diagnosis.stages[0].score.records}
+    given = {row.record.name: row for row in _with_channels(diagnosis.stages[0].score)}
     tables: list[Mapping[str, object]] = []
-    for row in diagnosis.final.score.records:
+    for row in _with_channels(diagnosis.final.score):
         first = given.get(row.record.name)
         tables.append(
             {
@@ -164,6 +219,10 @@ def channel_rows(diagnosis: Diagnosis) -> list[Mapping[str, object]]:
             }
         )
     return tables
+
+
+def _with_channels(score: Score) -> list[RecordScore | FrfScore]:
+    return [*score.records, *(row for row in score.at_rest if isinstance(row, FrfScore))]
 
 
 def default_rows(diagnosis: Diagnosis, rig: Rig) -> list[tuple[str, str]]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from trial_records import FS, REFERENCE, evaluator_of, measured, moved, multisine, oscillator, sweep
 
-from identification.evaluate import Evaluator, Target, carry_noise, nrmse, scored_spectrum
+from identification.evaluate import Evaluator, TimeTarget, carry_noise, nrmse, scored_spectrum
 from identification.hypothesis import Hypothesis
 from identification.noise import Noise
 from models.band_limit import SCORE_EDGE
@@ -54,7 +54,7 @@ def test_nrmse_is_that_of_low_passed_signals():
 def test_the_nrmse_of_the_noise_is_what_the_truth_leaves():
     record, noise = measured(Hypothesis(REFERENCE), multisine(), noise=0.02)
     clean, _ = measured(Hypothesis(REFERENCE), multisine(), noise=0.0)
-    target = Target.of(record, noise)
+    target = TimeTarget.of(record, noise)
 
     left = nrmse(scored_spectrum(clean.responses) - target.measured, target.measured)
 
@@ -62,7 +62,7 @@ def test_the_nrmse_of_the_noise_is_what_the_truth_leaves():
 
 
 def test_a_cut_keeps_the_beginning_and_its_noise():
-    target = Target.of(*measured(Hypothesis(oscillator()), sweep(2048)))
+    target = TimeTarget.of(*measured(Hypothesis(oscillator()), sweep(2048)))
 
     short = target.cut(500)
 
@@ -72,11 +72,11 @@ def test_a_cut_keeps_the_beginning_and_its_noise():
     assert np.all(short.density == target.density[0, 0])
     assert target.cut(2048) is target
     decay = replace(target.record, excitation=None)
-    assert Target.of(decay, target.noise).cut(500).record.excitation is None
+    assert TimeTarget.of(decay, target.noise).cut(500).record.excitation is None
 
 
 def test_a_cut_keeps_a_density_where_it_was_in_frequency():
-    target = Target.of(*measured(Hypothesis(oscillator()), sweep(2048)))
+    target = TimeTarget.of(*measured(Hypothesis(oscillator()), sweep(2048)))
     peak = np.ones_like(target.density)
     peak[0, 300:320] = 50.0
 
@@ -89,7 +89,7 @@ def test_a_cut_keeps_a_density_where_it_was_in_frequency():
 def test_no_channel_is_believed_to_be_without_noise():
     record, _ = measured(Hypothesis(oscillator()), sweep(512), noise=0.0)
 
-    target = Target.of(record, Noise(np.zeros(1), 0.0, "", ""))
+    target = TimeTarget.of(record, Noise(np.zeros(1), 0.0, "", ""))
 
     assert np.all(target.density > 0.0)
 
@@ -157,4 +157,4 @@ def test_a_motion_without_bound_has_no_residual_and_spoils_no_other():
 
 
 def test_no_hypotheses_no_residuals():
-    assert Evaluator([Target.of(*measured(Hypothesis(oscillator()), sweep(512)))], 1).residuals([]) == []
+    assert Evaluator([TimeTarget.of(*measured(Hypothesis(oscillator()), sweep(512)))], 1).residuals([]) == []

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from identification.evaluate import Evaluator, Target
+from identification.evaluate import Evaluator, TimeTarget
 from identification.hypothesis import Hypothesis
 from identification.law_history import contact_along
 from identification.missing_force import missing_forces
@@ -59,7 +59,7 @@ def trial(rig, effects, force):
 
 
 def found_in(rig, record, effects=()):
-    evaluator = Evaluator([Target.of(record, estimate_noise(record))], jobs=1)
+    evaluator = Evaluator([TimeTarget.of(record, estimate_noise(record))], jobs=1)
     return {force.place: force for force in missing_forces(evaluator, Hypothesis(rig, effects=effects))}
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from trial_records import FS, REFERENCE, evaluator_of, measured, oscillator, sweep
 
-from identification.evaluate import Evaluator, Target, scored_spectrum, whitened
+from identification.evaluate import Evaluator, TimeTarget, scored_spectrum, whitened
 from identification.hypothesis import Hypothesis, OffsetUnknown, StartUnknown
 from identification.noise import Noise
 from identification.prepare import (
@@ -38,7 +38,7 @@ def ueda(force, seconds=400.0, fs=10.0):
     time = np.arange(round(seconds * fs)) / fs
     record = Record("ueda", fs, force * np.cos(time), ("top",), np.zeros((1, len(time))))
     noise = Noise(np.ones(1), 0.0, "", "")
-    evaluator = Evaluator([Target.of(record, noise)], 1, Settings(steps_per_sample=20))
+    evaluator = Evaluator([TimeTarget.of(record, noise)], 1, Settings(steps_per_sample=20))
     return evaluator, Hypothesis(rig, effects=(CubicStiffness(Place(), stiffness=1.0),))
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from identification.evaluate import Evaluator, Target
+from identification.evaluate import Evaluator, TimeTarget
 from identification.fit import Fit
 from identification.hypothesis import Hypothesis, effect_unknowns
 from identification.noise import Noise
@@ -56,7 +56,7 @@ def measured(truth, force, *, noise=NOISE, force_noise=0.0, seed=3, name="test",
 
 def evaluator_of(*pairs, jobs=1, settings=Settings()):  # noqa: B008
     """An evaluator that knows the noise of its (record, noise) pairs."""
-    return Evaluator([Target.of(record, noise) for record, noise in pairs], jobs, settings)
+    return Evaluator([TimeTarget.of(record, noise) for record, noise in pairs], jobs, settings)
 
 
 def moved(rig, *sigmas):

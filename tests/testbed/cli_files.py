@@ -4,10 +4,12 @@ from pathlib import Path
 
 import numpy as np
 
+from identification.at_rest import predicted_frfs
+from identification.hypothesis import Hypothesis
 from models.effects import Place
 from models.effects.squeeze_film import SqueezeFilm
 from models.plant import build_plant
-from models.record import Record
+from models.record import FrfRecord, Record
 from models.rig_file import read_rig
 from models.simulate import simulate
 from testbed.records.write import write_record
@@ -82,3 +84,24 @@ def made_record(rig, name, seed, effects=(FILM,)):
     channels = simulate(build_plant(rig, effects), record).channels
     noisy = channels + 0.005 * channels.std() * rng.standard_normal(channels.shape)
     return Record(name, FS, excitation, record.sensors, noisy)
+
+
+def write_frfs(rig, path, effects=(), frequency=None):
+    """FRFs of the rig with 1 % of noise, as an analyser writes them."""
+    import pyuff
+
+    rng, frequency = np.random.default_rng(4), np.arange(6.0, 100.5, 1.0) if frequency is None else frequency
+    names, shape = tuple(sensor.name for sensor in rig.sensors), (len(rig.sensors), len(frequency))
+    clean = predicted_frfs(Hypothesis(rig, effects=effects), FrfRecord("", frequency, names, np.zeros(shape, complex)))
+    noise = (rng.standard_normal(shape) + 1j * rng.standard_normal(shape)) / np.sqrt(2.0)
+    sets = [
+        {
+            "type": 58, "binary": 1, "func_type": 4, "rsp_node": sensor.node, "rsp_dir": 3, "ref_node": 100,
+            "ref_dir": 3, "abscissa_spacing": 0, "x": frequency, "data": values, "abscissa_spec_data_type": 18,
+            "ordinate_spec_data_type": 12, "ordinate_axis_units_lab": "m/s^2", "orddenom_spec_data_type": 13,
+            "orddenom_axis_units_lab": "N",
+        }
+        for sensor, values in zip(rig.sensors, clean * (1.0 + 0.01 * noise), strict=True)
+    ]  # fmt: skip
+    path.write_bytes(b"")
+    pyuff.UFF(str(path)).write_sets(sets, mode="add", force_double=True)

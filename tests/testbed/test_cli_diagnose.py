@@ -6,12 +6,10 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from cli_files import make_files
+from cli_files import make_files, write_frfs
 from made_up_diagnosis import made_up_diagnosis
 
-from models.record import ModeShapeRecord
 from models.rig_file import read_rig
-from testbed import inputs
 from testbed.cli.app import main
 
 
@@ -134,22 +132,26 @@ def test_the_report_is_told_where_everything_comes_from(folder, loop):
     assert command.split()[0] == "testbed"
 
 
-def test_mode_shapes_are_compared_and_not_learned_from(folder, loop, monkeypatch, capsys):
-    read = inputs.read_record
-    modes = np.array([20.0, 60.0]), None, np.array([[1.0, 2.0], [1.0, -1.0]], complex)
-    shapes = ModeShapeRecord("shapes.csv", ("P1", "P2"), *modes)
-
-    def read_shapes(path, *args, **kwargs):
-        return shapes if "burst" in str(path) else read(path, *args, **kwargs)
-
-    monkeypatch.setattr(inputs, "read_record", read_shapes)
-    assert diagnose("burst.csv") == 0
+def test_frfs_alone_are_diagnosed_and_the_report_says_what_they_cannot_show(folder, capsys):
+    rig = read_rig("rig.toml")
+    write_frfs(rig, folder / "h.uff")
+    assert main(["diagnose", "rig.toml", "h.uff", "--holdout", "burst.csv", "--jobs", "1"]) == 0
     content = json.loads((folder / "results" / "rig" / "diagnosis.json").read_text())
-    assert content["where"]["linear"]["as given"][0]["record"] == "shapes.csv"
-    assert "no nonlinearity can be seen" in capsys.readouterr().out
-    assert loop.calls[0][0] == ["sweep.csv"]
-    assert main(["diagnose", "rig.toml", "burst.csv"]) == 2
-    assert "no time record; a diagnosis learns from at least one" in capsys.readouterr().err
+    assert (content["verdict"], content["effects"], content["where"]["records"]) == ("complete", [], [])
+    assert content["where"]["linear"]["updated"][0]["nrmse"] == pytest.approx(0.01, rel=0.3)
+    assert "no nonlinearity can be seen" in content["next_experiment"]["why"]
+    assert content["holdout"]["updated"] > 0.0
+    page = (folder / "results" / "rig" / "report.html").read_text()
+    for part in ("FRF magnitude", "95 lines, 6 to 100 Hz", "roughness between neighbouring lines", "P3"):
+        assert part in page
+    assert "note: h.uff: from one level of FRFs or mode shapes no nonlinearity" in capsys.readouterr().out
+
+
+def test_frfs_with_too_few_lines_are_refused(folder, capsys):
+    write_frfs(read_rig("rig.toml"), folder / "h.uff", frequency=np.arange(6.0, 20.0))
+    assert main(["diagnose", "rig.toml", "h.uff"]) == 2
+    assert "h.uff: FRFs on 14 lines above 0 Hz" in capsys.readouterr().err
+    assert not (folder / "results").exists()
 
 
 def test_steps_back_go_through_the_models_of_the_diagnosis(folder, loop, capsys):

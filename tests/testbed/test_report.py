@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 from made_up_diagnosis import FRICTION, made_up_diagnosis, made_up_record, made_up_score
 
-from identification.result import Candidate, Estimate, Score
+from identification.at_rest import PairedModes
+from identification.result import Candidate, Estimate, FrfScore, ModesScore, Score
+from models.record import FrfRecord, ModeShapeRecord
 from models.rig import Excitation, Oscillator, Rig, Sensor
 from models.rig_file import read_rig
 from testbed.report import Provenance, provenance, write_report
@@ -197,6 +199,32 @@ def test_many_records_make_a_page_of_a_few_megabytes_that_says_what_it_leaves_ou
     assert shown_records(many) == ("run 5.csv", "run 3.csv", "run 2.csv", "run 0.csv")
     assert "Not shown: run 1.csv, run 4.csv." in page.text
     assert "28 less probable candidates" in page.text
+
+
+def test_modes_and_frfs_stand_beside_those_of_both_models(rig, tmp_path):
+    names, found = tuple(sensor.name for sensor in rig.sensors), made_up_diagnosis(rig)
+    shapes = np.ones((2, len(names)), complex)
+    modes = ModeShapeRecord("m.uff", names, np.array([12.5, 70.0]), None, shapes)
+    lines = np.arange(1.0, 40.0)
+    frfs = FrfRecord("h.uff", lines, names, np.ones((len(names), len(lines)), complex))
+
+    def at_rest(freq, error):
+        nothing, each = np.full(2, np.nan), np.full(len(names), error)
+        paired = PairedModes(np.array([freq, np.nan]), nothing, shapes, np.array([0.987, np.nan]))
+        return (
+            FrfScore(frfs, (1.0 + error) * frfs.values, "told", error, 0.01, each, each),
+            ModesScore(modes, paired, "assumed", error, 0.05),
+        )
+
+    scores = (at_rest(12.0, 0.31), at_rest(12.3, 0.2), at_rest(12.4, 0.017))
+    stages = [replace(stage, score=Score((), rest)) for stage, rest in zip(found.stages, scores, strict=True)]
+
+    page = page_of(replace(found, stages=tuple(stages), holdout={}, where=(), updated_maps=()), rig, tmp_path)
+
+    for part in ("12 Hz, MAC 0.987", "12.4 Hz, MAC 0.987", "none", "2 modes", "39 lines, 1 to 39 Hz", "1.7 %", "told"):
+        assert part in page.text
+    assert "small motion about rest" in page.text
+    assert "FRF magnitude." in page.text
 
 
 def test_provenance_holds_versions_hashes_seed_and_date(tmp_path):

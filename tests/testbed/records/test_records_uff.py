@@ -185,13 +185,35 @@ def test_frfs_are_read_in_si_with_signs(tmp_path):
     sets[0] |= {"ordinate_axis_units_lab": "g", "orddenom_axis_units_lab": "kN"}
     sets[1] |= {"rsp_dir": -3}
     sets[2] |= {"ordinate_axis_units_lab": "g/N", "orddenom_axis_units_lab": "NONE"}
-    write_sets(tmp_path / "a.uff", *sets, an_frf(1, np.abs(values[0]), frequency, func_type=6))
+    write_sets(tmp_path / "a.uff", *sets)
     back = read_record(tmp_path / "a.uff", a_rig())
     assert isinstance(back, FrfRecord)
     assert np.allclose(back.frequency, frequency)
     assert back.excitation_position is None
     factors = np.array([9.80665e-3, -1.0, 9.80665, 1.0])
     assert np.allclose(back.values, factors[:, None] * values, rtol=1e-12)
+
+
+def test_a_coherence_stands_beside_its_frf_whatever_their_order(tmp_path):
+    frequency = np.arange(1.0, 50.0)
+    coherence = 1.0 / (1.0 + noise(5, 49, 4) ** 2)
+    frfs = [an_frf(i + 1, noise(i, 49) + 1j, frequency) for i in range(4)]
+    told = [an_frf(i + 1, coherence[i], frequency, func_type=6) for i in range(4)]
+    write_sets(tmp_path / "a.uff", *told[::-1], *frfs)
+    assert np.allclose(read_record(tmp_path / "a.uff", a_rig()).coherence, coherence, rtol=1e-12)
+    write_sets(tmp_path / "b.uff", *frfs, *told[:3])
+    assert read_record(tmp_path / "b.uff", a_rig()).coherence is None
+
+
+def test_a_coherence_that_is_none_is_refused(tmp_path):
+    frequency = np.arange(1.0, 50.0)
+    write_sets(
+        tmp_path / "a.uff",
+        *(an_frf(i, noise(i, 49) + 1j, frequency) for i in (1, 2, 3, 4)),
+        an_frf(3, np.full(49, 1.2), frequency, func_type=6),
+    )
+    with pytest.raises(InputError, match=r"a\.uff: coherence of P3, sample 0 is 1\.2; a coherence is from 0 to 1"):
+        read_record(tmp_path / "a.uff", a_rig())
 
 
 def test_frfs_of_a_roving_hammer_know_where_it_struck(tmp_path):

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from identification import metrics
 from models.errors import InputError
-from testbed import metrics
 
 ROUNDING = 1e-12  # sums of some hundred products in double precision
 
