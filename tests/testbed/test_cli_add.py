@@ -64,8 +64,9 @@ def test_an_effect_that_does_not_fit_is_told(arguments, message, capsys):
     assert message in capsys.readouterr().err
 
 
-def test_trials_are_made_for_what_moves_nearest_and_carry_the_options(folder, monkeypatch):
-    friction = EFFECTS["coulomb_friction"](Place(position=0.31), friction_force=1.0, slip_velocity=1.0)
+def test_trials_are_made_once_for_what_moves_there_and_carry_the_options(folder, monkeypatch):
+    place = Place(position=0.31)
+    friction = EFFECTS["coulomb_friction"](place, friction_force=1.0, slip_velocity=1.0)
     made = {}
 
     def trials(cls, scene):
@@ -73,14 +74,11 @@ def test_trials_are_made_for_what_moves_nearest_and_carry_the_options(folder, mo
         yield friction
         yield friction
 
-    scene_here = _scene(Place(position=0.3), 1.0)
-    other = _scene(Place(position=0.9), 2.0)
-    at_sleeve = _scene(Place(sleeve="sleeve 1", position=0.31), 3.0)
     monkeypatch.setattr(type(friction), "trials", classmethod(trials))
-    monkeypatch.setattr("testbed.add.scenes", lambda *_: {s.place: s for s in (other, at_sleeve, scene_here)})
+    monkeypatch.setattr("testbed.add.scenes", lambda _evaluator, _model, places: {p: _scene(p, 1.0) for p in places})
     found = trials_at(None, None, friction, {"against": "ground"})
-    assert [(trial.against, trial.place.position) for trial in found] == [("ground", 0.31)]
-    assert (made["scene"].displacement, made["scene"].place.position) == (1.0, 0.31)
+    assert [(trial.against, trial.place) for trial in found] == [("ground", place)]
+    assert made["scene"].place == place
 
 
 def _scene(place, displacement):
