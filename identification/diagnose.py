@@ -1,24 +1,26 @@
 """Once round the loop: compare, see where it fails, learn what is missing, add it, and watch the error fall."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from time import perf_counter
 
 import numpy as np
 
 from identification.assess import score, with_starts
 from identification.calibrate import calibrate, concerning, strained, unknowns_of
-from identification.evaluate import Evaluator, carry_noise
+from identification.evaluate import carry_noise
 from identification.evidence import Ranked, probabilities, reranked, with_evidence
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, effect_unknowns
 from identification.judge import judge, refit, restarted
 from identification.maps import error_map
 from identification.missing_force import missing_forces
+from identification.noise_left import NOISE_NEAR, noise_left, with_noise
 from identification.outcome import AT_REST_ONLY, added_effects, candidates_of, groups_of, next_experiment, rig_estimates
-from identification.prepare import Horizon, cut_to, horizons, prepare, resolved
+from identification.prepare import cut_to, horizons, prepare
 from identification.progress import Progress, silent
 from identification.result import Diagnosis, Score, Stage, Verdict
+from identification.session import Session
 from identification.tangent_ties import is_linear, tied
 from models.effects import EFFECTS, Registry
 from models.record import AnyRecord
@@ -27,9 +29,6 @@ from models.simulate import Settings, Trace
 
 NOISE_REACHED = 1.15
 """Residual over noise up to which a model has nothing left to explain: the noise itself is known to about a tenth."""
-
-NOISE_NEAR = 1.5
-"""Residual over noise up to which what is left may be the noise estimate's own error."""
 
 MOST_EFFECTS = 3
 
@@ -47,22 +46,6 @@ LEAST_EVIDENCE = 12.0
 
 FIT_SECONDS, SCREEN_SECONDS, TIME_SECONDS = 16.0, 5.0, 10.0
 """Seconds of records that are used for refits, for the screening, and for the screening of effects in time."""
-
-
-@dataclass
-class _Session:
-    """What one diagnosis works with."""
-
-    everything: Evaluator
-    fitting: Evaluator
-    limits: list[Horizon]
-    registry: Registry
-    progress: Progress
-    decisions: list[str] = field(default_factory=list)
-
-    def decide(self, text: str) -> None:
-        self.decisions.append(text)
-        self.progress(text)
 
 
 def diagnose(
@@ -99,37 +82,40 @@ def diagnose(
     started = with_starts(session.everything, given)
     stages = [_stage(session, "as given", started)]
     base = calibrate(session.fitting, started, unknowns_of(given, session.fitting))
-    base = _resolve(session, base)
+    base = session.relearn(session.resolve(base))
     session.decide(_calibration_in_words(base))
     stages.append(_stage(session, "calibrated", base.hypothesis))
     _carry(session, base.hypothesis, seed)
-    calibrated, chain, rounds = base, [base], []
+    chain, rounds = [base], []
     while len(chain[-1].hypothesis.effects) < MOST_EFFECTS and not _enough(chain[-1]):
         ranked, better = _round(session, chain[-1])
         if better is not None and not chain[-1].hypothesis.effects:
             session.decide(f"a better calibration was found on the way: residual {better.ratio:.2f} times the noise")
-            calibrated, chain = better, [better]
-            stages[-1] = _stage(session, "calibrated", better.hypothesis)
-            if _enough(better):
+            learnt = session.relearn(better)
+            chain = [learnt]
+            stages[-1] = _stage(session, "calibrated", learnt.hypothesis)
+            if _enough(learnt):
                 break
-        ranked = _told_apart(session, _restarted(session, chain[-1], ranked))
-        rounds.append(ranked)
-        chosen = _accept(session, chain[-1], ranked)
+            if learnt is not better:
+                ranked, _ = _round(session, learnt)
+        rounds.append(_told_apart(session, _restarted(session, chain[-1], ranked)))
+        chain, rounds = session.reweigh(chain, rounds)
+        chosen = _accept(session, chain[-1], rounds[-1])
         if chosen is None:
             break
-        chosen = _resolve(session, chosen)
+        chosen = session.resolve(chosen)
         chain.append(chosen)
         stages.append(_stage(session, f"+ {chosen.hypothesis.effects[-1].label()}", chosen.hypothesis))
-    verdict = _verdict(session, calibrated, chain[-1], rounds)
-    final = chain[-1] if verdict == "missing_effect" else calibrated
+    verdict = _verdict(session, chain[0], chain[-1], rounds)
+    final = chain[-1] if verdict == "missing_effect" else chain[0]
     return _result(session, given, stages, rounds, verdict, final, holdout, seed, began)
 
 
-def _open(given: Hypothesis, records: Sequence[AnyRecord], seed: int, jobs: int, progress: Progress) -> _Session:
+def _open(given: Hypothesis, records: Sequence[AnyRecord], seed: int, jobs: int, progress: Progress) -> Session:
     progress(f"estimating the noise of {len(records)} records")
     everything = prepare(given, records, jobs, np.random.default_rng(seed))
     limits = horizons(everything, given)
-    session = _Session(everything, cut_to(everything, FIT_SECONDS, limits), limits, given.registry, progress)
+    session = Session(everything, cut_to(everything, FIT_SECONDS, limits), limits, given.registry, progress, seed)
     for limit, target in zip(limits, everything.timed, strict=True):
         if limit.seconds < target.record.duration:
             session.decide(
@@ -144,7 +130,7 @@ def _open(given: Hypothesis, records: Sequence[AnyRecord], seed: int, jobs: int,
     return session
 
 
-def _carry(session: _Session, hypothesis: Hypothesis, seed: int) -> None:
+def _carry(session: Session, hypothesis: Hypothesis, seed: int) -> None:
     """The excitation's noise as this model carries it, where that is less than so far.
 
     A model with wrong numbers may tremble at what leaves the structure cold; none carries less than the truth for long.
@@ -154,22 +140,10 @@ def _carry(session: _Session, hypothesis: Hypothesis, seed: int) -> None:
     session.everything = session.everything.with_targets([min(pair, key=lambda t: t.nrmse_of_noise) for pair in pairs])
 
 
-def _stage(session: _Session, label: str, hypothesis: Hypothesis) -> Stage:
+def _stage(session: Session, label: str, hypothesis: Hypothesis) -> Stage:
     stage = Stage(label, hypothesis, score(session.everything, hypothesis))
     session.progress(f"{label}: error {stage.score.nrmse:.3%}, noise floor {stage.score.noise_nrmse:.3%}")
     return stage
-
-
-def _resolve(session: _Session, result: Fit) -> Fit:
-    """The fit again with smaller steps, if those it used were too coarse for the noise."""
-    finer = resolved(session.fitting, result.hypothesis)
-    if finer.settings == session.fitting.settings:
-        return result
-    session.fitting, session.everything = finer, session.everything.with_settings(finer.settings)
-    session.decide(
-        f"steps halved to {finer.settings.steps_per_sample} per sample: the coarser ones stood above the noise"
-    )
-    return fit(finer, result.hypothesis, result.unknowns)
 
 
 def _calibration_in_words(base: Fit) -> str:
@@ -186,7 +160,7 @@ def _enough(result: Fit) -> bool:
     return result.ratio <= NOISE_REACHED and (bool(result.hypothesis.effects) or not strained(result))
 
 
-def _round(session: _Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
+def _round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
     """Effects ranked, and a calibration without the best of them if that is better than the one so far."""
     timed = bool(session.everything.timed)
     lasting = {name: kind for name, kind in session.registry.items() if kind.family == "time" and timed}
@@ -207,7 +181,7 @@ def _round(session: _Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
     return ranked, better
 
 
-def _restarted(session: _Session, base: Fit, ranked: list[Ranked]) -> list[Ranked]:
+def _restarted(session: Session, base: Fit, ranked: list[Ranked]) -> list[Ranked]:
     """The ranking after other starts were tried for the best effect, where its fit stopped above the noise."""
     if not ranked or ranked[0].fit.ratio <= NOISE_REACHED:
         return ranked
@@ -215,12 +189,12 @@ def _restarted(session: _Session, base: Fit, ranked: list[Ranked]) -> list[Ranke
     return reranked(ranked, restarted(session.fitting, base, ranked[0].fit))
 
 
-def _told_apart(session: _Session, ranked: list[Ranked]) -> list[Ranked]:
+def _told_apart(session: Session, ranked: list[Ranked]) -> list[Ranked]:
     """The ranking without differences that only larger motion could show, where none was seen."""
     return ranked if session.everything.timed else tied(ranked)
 
 
-def _accept(session: _Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | None:
+def _accept(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | None:
     """The fit with the best effect, refined, if it explains enough."""
     if not ranked:
         session.decide("no effect of the library improves the model")
@@ -243,7 +217,7 @@ def _accept(session: _Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
     return _refined(session, best.fit)
 
 
-def _refined(session: _Session, result: Fit) -> Fit:
+def _refined(session: Session, result: Fit) -> Fit:
     """The last effect described in more detail as long as the evidence grows."""
     while True:
         rows = [
@@ -270,7 +244,7 @@ def _refined(session: _Session, result: Fit) -> Fit:
         result = best.fit
 
 
-def _verdict(session: _Session, calibrated: Fit, final: Fit, rounds: Sequence[Sequence[Ranked]]) -> Verdict:
+def _verdict(session: Session, calibrated: Fit, final: Fit, rounds: Sequence[Sequence[Ranked]]) -> Verdict:
     if not final.hypothesis.effects:
         if not rounds or (calibrated.ratio <= NOISE_NEAR and not strained(calibrated)):
             motion = "" if session.everything.timed else " for small motion about rest"
@@ -287,7 +261,7 @@ def _verdict(session: _Session, calibrated: Fit, final: Fit, rounds: Sequence[Se
 
 
 def _result(
-    session: _Session,
+    session: Session,
     given: Hypothesis,
     stages: list[Stage],
     rounds: Sequence[Sequence[Ranked]],
@@ -302,6 +276,8 @@ def _result(
         label = stages[-1].label if verdict != "unexplained" else "calibrated"
         kept = [s for s in stages if verdict != "unexplained" or not s.hypothesis.effects]
         stages = [*kept[:-1], _stage(session, label, polished.hypothesis)]
+    if session.relearnt:
+        stages = [_stage(session, stage.label, stage.hypothesis) for stage in stages]
     calibrated = next(stage for stage in reversed(stages) if stage.label == "calibrated")
     first = rounds[0] if rounds else []
     chances = probabilities([r.log_evidence for r in first] + [_nothing(first, final)]) if first else []
@@ -334,7 +310,7 @@ def _nothing(first: Sequence[Ranked], final: Fit) -> float:
     return -0.5 * final.cost / scale if not final.hypothesis.effects else min(r.log_evidence for r in first) - 50.0
 
 
-def _polish(session: _Session, final: Fit) -> Fit:
+def _polish(session: Session, final: Fit) -> Fit:
     """A last fit on all that can be predicted, where the fits so far used a part."""
     whole = cut_to(session.everything, float("inf"), session.limits)
     if whole.n_data == session.fitting.n_data:
@@ -345,19 +321,24 @@ def _polish(session: _Session, final: Fit) -> Fit:
 
 
 def _held_out(
-    session: _Session, given: Hypothesis, updated: Hypothesis, holdout: Sequence[AnyRecord], seed: int
+    session: Session, given: Hypothesis, updated: Hypothesis, holdout: Sequence[AnyRecord], seed: int
 ) -> Mapping[str, Score]:
     if not holdout:
         return {}
     session.progress(f"predicting {len(holdout)} records kept aside")
-    evaluator = prepare(updated, holdout, session.everything.jobs, np.random.default_rng(seed))
+    rng = np.random.default_rng(seed)
+    evaluator = prepare(updated, holdout, session.everything.jobs, rng)
+    known = with_starts(evaluator, updated)
+    residual = evaluator.residuals([(known, None)])[0]
+    if residual is not None:
+        evaluator = with_noise(evaluator, noise_left(evaluator, residual), known, rng)
     return {
         "as given": score(evaluator, with_starts(evaluator, given)),
-        "updated": score(evaluator, with_starts(evaluator, updated)),
+        "updated": score(evaluator, known),
     }
 
 
-def _traces(session: _Session, hypothesis: Hypothesis) -> dict[str, Trace]:
+def _traces(session: Session, hypothesis: Hypothesis) -> dict[str, Trace]:
     responses = session.everything.responses(hypothesis, Settings(trace=True))
     rows = zip(session.everything.timed, responses, strict=True)
     return {target.record.name: response.trace for target, response in rows if response.trace is not None}

@@ -50,9 +50,21 @@ def reranked(ranked: Sequence[Ranked], better: Fit) -> list[Ranked]:
         better: another fit of the same effect.
     """
     first = replace(ranked[0], fit=better, effect=better.hypothesis.effects[-1])
-    rows = with_evidence([first, *(row for row in ranked[1:] if row.refitted)])
+    return reweighed(ranked, [first, *(row for row in ranked[1:] if row.refitted)])
+
+
+def reweighed(ranked: Sequence[Ranked], refitted: Sequence[Ranked]) -> list[Ranked]:
+    """The refitted rows by their evidence; rows without a refit stay as far behind the best.
+
+    Args:
+        ranked: sorted, as they were.
+        refitted: those of them that were fitted again.
+    """
+    rows = with_evidence(refitted)
+    if not rows:
+        return list(ranked)
     shift = rows[0].log_evidence - ranked[0].log_evidence
-    return [*rows, *(replace(r, log_evidence=r.log_evidence + shift) for r in ranked[1:] if not r.refitted)]
+    return [*rows, *(replace(r, log_evidence=r.log_evidence + shift) for r in ranked if not r.refitted)]
 
 
 def log_occam(result: Fit) -> float:

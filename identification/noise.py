@@ -3,8 +3,8 @@
 Three ways, the first that applies: the part of a channel that does not repeat when the excitation does; the recorder's
 stopped band, where nothing but noise added after its filter can be; and, among several sensors, the part of each that
 no few common sources explain (factor analysis of the cross-spectra: a beam driven by a force and held by two sleeves
-has three sources). What is left is the quietest band. All give the density of white noise, so the noise in any band
-follows.
+has three sources). What is left are the quietest bands. All give the density of white noise, so the noise in any band
+follows. Each can hold signal too and then reads too much: what a fitted model leaves corrects that, in ``noise_left``.
 """
 
 from dataclasses import dataclass
@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import get_window
 
+from identification.floor import Floor, median_over_mean, scatter_of_medians, spectral_floor
 from identification.period import find_period
 from models.arrays import AnyArray, FloatArray
 from models.band_limit import SCORE_EDGE
@@ -39,12 +40,14 @@ class Noise:
         excitation: the same for the excitation channel; 0 where it cannot be told from the signal.
         method: how the sensors' noise was found, in words.
         excitation_method: how the excitation's was found, in words.
+        hidden: the excitation fills the whole band and hides its own noise.
     """
 
     sensors: FloatArray
     excitation: float
     method: str
     excitation_method: str
+    hidden: bool = False
 
 
 def estimate_noise(record: Record) -> Noise:
@@ -53,21 +56,47 @@ def estimate_noise(record: Record) -> Noise:
     Args:
         record: at least a few hundred samples.
     """
-    excitation, excitation_method = _excitation_noise(record)
-    floor = np.array([quiet_floor(channel) for channel in record.responses])
-    method = "the quietest band of each channel"
     period = find_period(record.excitation) if record.excitation is not None else None
-    if period is not None and record.n_samples >= 3 * period:
-        repeated = np.minimum(_between_periods(record.responses, period), floor)
-        return Noise(np.sqrt(repeated), excitation, "what does not repeat from period to period", excitation_method)
-    if len(record.sensors) >= MIN_SENSORS and record.n_samples >= 16 * SEGMENT:
-        floor = np.minimum(unshared_density(record.responses), floor)
-        method = "what each sensor does not share with the others"
-    stopped = np.array([band_density(channel, *STOPPED) for channel in record.responses])
-    if np.median(stopped / floor) > STOPPED_SHARE:
-        floor, method = stopped, "the recorder's stopped band"
-    return Noise(np.sqrt(floor), excitation, method, excitation_method)
+    repeats = period if period is not None and record.n_samples >= 3 * period else None
+    density, method = _sensors_density(record, repeats)
+    excitation, excitation_method = _excitation_noise(record, repeats)
+    return Noise(np.sqrt(density), excitation or 0.0, method, excitation_method, hidden=excitation is None)
 
+
+def _sensors_density(record: Record, period: int | None) -> tuple[FloatArray, str]:
+    floors = [quiet_floor(channel) for channel in record.responses]
+    floor, lines = np.array([f.density for f in floors]), np.array([f.lines for f in floors])
+    if period is not None:
+        repeated = _between_periods(record.responses, period)
+        return _lower(repeated, floor, lines), "what does not repeat from period to period"
+    method = "the quietest bands of each channel"
+    if len(record.sensors) >= MIN_SENSORS and record.n_samples >= 16 * SEGMENT:
+        floor = _lower(floor, unshared_density(record.responses), np.array(UNSHARED_LINES))
+        method = "what each sensor does not share with the others"
+    stopped = [band_floor(channel, *STOPPED) for channel in record.responses]
+    density, lines = np.array([f.density for f in stopped]), np.array([f.lines for f in stopped])
+    if np.median(density / floor) > STOPPED_SHARE:
+        return _lower(floor, density, lines), "the recorder's stopped band"
+    return floor, method
+
+
+def _lower(first: FloatArray, other: FloatArray, lines: FloatArray) -> FloatArray:
+    """The first, but where the other is clearly lower that: the least of two that scatter would lie below both.
+
+    Args:
+        first: densities.
+        other: densities of the same channels, found another way.
+        lines: free ordinates in whose median each of the others rests.
+    """
+    by_chance = CLEARLY * np.array([scatter_of_medians(n) for n in np.broadcast_to(lines, first.shape).tolist()])
+    return np.where(other < (1.0 - by_chance) * first, other, first)
+
+
+CLEARLY = 2.5
+"""Standard deviations by which an estimate must lie below another to be believed instead."""
+
+UNSHARED_LINES = 150.0
+"""Free lines to whose median the factor analysis of 4096 samples compares: it is good to some 12 % of a variance."""
 
 MIN_SENSORS = 5
 
@@ -78,35 +107,53 @@ SOURCES = 3
 """Common sources of a beam's channels: the excitation and two sleeves."""
 
 
-def _excitation_noise(record: Record) -> tuple[float, str]:
+def _excitation_noise(record: Record, period: int | None) -> tuple[float | None, str]:
+    """Standard deviation, None where the excitation hides it, and how it was found."""
     if record.excitation is None:
         return 0.0, "no excitation channel"
-    floor, mean = quiet_floor(record.excitation), float(np.mean(record.excitation**2))
-    if floor > FLOOR_RATIO * mean:
-        return 0.0, "not told apart: the excitation fills the whole band, so its noise is taken as 0"
-    return float(np.sqrt(floor)), "the quietest band of the excitation channel"
+    floor, mean = quiet_floor(record.excitation).density, float(np.mean(record.excitation**2))
+    if floor <= FLOOR_RATIO * mean:
+        return float(np.sqrt(floor)), "the quietest bands of the excitation channel"
+    if period is not None:
+        (density,) = _between_periods(record.excitation[None], period)
+        return float(np.sqrt(density)), "what does not repeat in the excitation channel"
+    return None, "not told apart: the excitation fills the whole band, so its noise is first taken as 0"
 
 
-def quiet_floor(channel: FloatArray) -> float:
-    """Density of the quietest tenth of the band below 0.35 fs, as the variance of white noise of that density."""
+def quiet_floor(channel: FloatArray) -> Floor:
+    """Floor of the quietest bands below 0.35 fs, its density as the variance of white noise.
+
+    Args:
+        channel: (N,).
+    """
     density = _periodogram(channel)
     n = len(density)
-    first, last, width = max(2, int(0.02 * n)), int(2 * SCORE_EDGE * n), max(8, n // 20)
-    medians = [
-        np.median(density[i : i + width]) for i in range(first, max(first + 1, last - width), max(1, width // 2))
-    ]
-    return float(min(medians)) / MEDIAN_OF_CHI2
+    first, last = max(2, int(0.02 * n)), int(2 * SCORE_EDGE * n)
+    return spectral_floor(density[first:last], max(LEAST_WIDTH, n // BANDS), LINES_PER_FREE_ONE)
 
 
-MEDIAN_OF_CHI2 = float(np.log(2.0))
-"""Median over mean of a periodogram ordinate (chi-square with two degrees of freedom)."""
+BANDS = 20
+"""Bands that the spectrum to fs/2 is cut into, where it has lines enough."""
+
+LEAST_WIDTH = 8
+"""Lines of a band at least."""
+
+LINES_PER_FREE_ONE = 2.76
+"""Lines of a Blackman-Harris window that scatter like one free one: N sum(w^4) / sum(w^2)^2."""
 
 
-def band_density(channel: FloatArray, low: float, high: float) -> float:
-    """Median density between two fractions of fs, as the variance of white noise of that density."""
+def band_floor(channel: FloatArray, low: float, high: float) -> Floor:
+    """The same of one band, between two fractions of fs.
+
+    Args:
+        channel: (N,).
+        low: its lower edge.
+        high: its upper edge.
+    """
     density = _periodogram(channel)
     n = 2 * len(density)
-    return float(np.median(density[int(low * n) : int(high * n)])) / MEDIAN_OF_CHI2
+    band = density[int(low * n) : int(high * n)]
+    return spectral_floor(band, len(band), LINES_PER_FREE_ONE)
 
 
 def _periodogram(channel: FloatArray) -> FloatArray:
@@ -123,7 +170,7 @@ def _between_periods(responses: FloatArray, period: int) -> FloatArray:
     spectra = np.abs(np.fft.rfft(np.diff(blocks[:, 1:], axis=1), axis=2)) ** 2 / (2.0 * period)
     lines = spectra.shape[2]
     band = spectra[:, :, max(2, lines // 50) : int(2 * SCORE_EDGE * lines)]
-    return np.asarray(np.median(band, axis=(1, 2)) / MEDIAN_OF_CHI2)
+    return np.asarray(np.median(band, axis=(1, 2)) / median_over_mean(band[0].size))
 
 
 def unshared_density(responses: FloatArray, sources: int = SOURCES) -> FloatArray:

@@ -12,7 +12,7 @@ from identification.noise import estimate_noise, quiet_floor, unshared_density
 from models.band_limit import recorder_gain
 
 WITHIN = 0.15
-"""The quietest of many bands reads a tenth too little: the least of some thirty medians of 200 lines."""
+"""Two to three standard deviations of the median of 33 to 100 free lines, in units of the noise."""
 
 
 def low_passed(noise):
@@ -58,16 +58,13 @@ def test_what_no_common_source_explains_is_noise(high, share):
     found = estimate_noise(record)
 
     assert "does not share" in found.method
-    np.testing.assert_allclose(found.sensors, sensors, rtol=WITHIN)
+    # A sensor on a sleeve sees a source that hardly any other sees: up to 1.3 times too much is left to it.
+    assert np.median(found.sensors / sensors) == pytest.approx(1.0, abs=0.05)
+    assert np.all(np.abs(np.log(found.sensors / sensors)) < np.log(1.3))
     # The quietest band alone would not have told.
-    assert np.median([np.sqrt(quiet_floor(c)) / s for c, s in zip(record.responses, sensors, strict=True)]) > 1.5
-
-
-@pytest.mark.xfail(reason="a force that fills the band leaves more than three sources: up to 1.6 times too much noise")
-def test_noise_under_a_force_that_fills_the_band():
-    record, sensors = filtered_record(760.0, 0.01)
-
-    np.testing.assert_allclose(estimate_noise(record).sensors, sensors, rtol=WITHIN)
+    assert (
+        np.median([np.sqrt(quiet_floor(c).density) / s for c, s in zip(record.responses, sensors, strict=True)]) > 1.5
+    )
 
 
 def test_too_few_sources_leave_signal_in_the_noise():
@@ -95,8 +92,22 @@ def test_a_free_decay_has_no_noise_of_excitation():
     np.testing.assert_allclose(found.sensors, truth.sensors, rtol=WITHIN)
 
 
-def test_white_noise_reads_its_own_variance():
-    noise = 0.3 * np.random.default_rng(6).standard_normal(20000)
+@pytest.mark.parametrize(("n", "within"), [(2048, 0.03), (16384, 0.01)])
+def test_white_noise_reads_its_own_variance_on_average(n, within):
+    rng = np.random.default_rng(6)
 
-    # The quietest of some twenty bands of white noise lies 2 sigma = 8 % below the mean.
-    assert quiet_floor(noise) == pytest.approx(0.09, rel=0.12)
+    found = [quiet_floor(0.3 * rng.standard_normal(n)).density for _ in range(40)]
+
+    # Three standard deviations of the mean of 40; the least of the bands would read 40 % and 17 % too little.
+    assert np.mean(found) == pytest.approx(0.09, rel=3.0 * within)
+    assert np.std(found) < 0.3 * np.sqrt(2048 / n) * 0.09
+
+
+def test_an_excitation_that_fills_the_band_and_repeats_shows_its_noise():
+    force = multisine(8 * 1024, periods=8, rms=5.0, low=2.0, high=1020.0)
+    record, truth = measured(Hypothesis(oscillator()), force, force_noise=0.02)
+
+    found = estimate_noise(record)
+
+    assert found.excitation == pytest.approx(truth.excitation, rel=WITHIN)
+    assert not found.hidden

@@ -1,0 +1,128 @@
+"""What one diagnosis works with: records, noise and resolution, which get finer as the model gets better."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from identification.evaluate import Evaluator
+from identification.evidence import Ranked, reweighed
+from identification.fit import Fit, fit
+from identification.noise import Noise
+from identification.noise_left import noise_left, noise_uncovered, with_noise
+from identification.prepare import Horizon, resolved
+from identification.progress import Progress
+from models.effects import Registry
+
+MOST_LOWERINGS = 3
+"""A fit on noise taken far too high is held by the tolerances and leaves more than it would: so it is repeated."""
+
+REWEIGHING_TOLERANCE = 2e-3
+"""Relative decrease of the cost that ends a fit on new weights."""
+
+
+@dataclass
+class Session:
+    """Records, noise and resolution of one diagnosis, and what was decided.
+
+    Attributes:
+        everything: whole records.
+        fitting: the parts that are used to fit.
+        limits: how far each record can be predicted.
+        registry: kinds of effects to consider.
+        progress: told in words what is done and decided.
+        seed: of the realisations of the excitation's noise.
+        decisions: in order.
+        relearnt: whether the noise was lowered on the way.
+    """
+
+    everything: Evaluator
+    fitting: Evaluator
+    limits: list[Horizon]
+    registry: Registry
+    progress: Progress
+    seed: int
+    decisions: list[str] = field(default_factory=list)
+    relearnt: bool = False
+
+    def decide(self, text: str) -> None:
+        """Keep and tell a decision."""
+        self.decisions.append(text)
+        self.progress(text)
+
+    def resolve(self, result: Fit) -> Fit:
+        """The fit again with smaller steps, if those it used were too coarse for the noise."""
+        finer = resolved(self.fitting, result.hypothesis)
+        if finer.settings == self.fitting.settings:
+            return result
+        self.fitting, self.everything = finer, self.everything.with_settings(finer.settings)
+        self.decide(
+            f"steps halved to {finer.settings.steps_per_sample} per sample: the coarser ones stood above the noise"
+        )
+        return fit(finer, result.hypothesis, result.unknowns)
+
+    def relearn(self, result: Fit, *, uncover: bool = False) -> Fit:
+        """The fit again with the noise lowered to what it leaves, for as long as it leaves clearly less.
+
+        Args:
+            result: the best there is.
+            uncover: also tell the noise of excitations that hide theirs.
+        """
+        for _ in range(MOST_LOWERINGS):
+            targets, rng = self.fitting.timed, np.random.default_rng(self.seed)
+            noises = noise_left(self.fitting, result.residual)
+            if uncover:
+                noises = noise_uncovered(self.fitting, result.hypothesis, result.residual, rng)
+            changed = [(t, noise) for t, noise in zip(targets, noises, strict=True) if noise is not t.noise]
+            if not changed:
+                break
+            for target, noise in changed:
+                self.decide(f"{target.record.name}: {_in_words(target.noise, noise)}")
+            by_name = {target.record.name: noise for target, noise in zip(targets, noises, strict=True)}
+            ordered = [by_name[target.record.name] for target in self.everything.timed]
+            self.fitting = with_noise(self.fitting, noises, result.hypothesis, rng)
+            self.everything = with_noise(self.everything, ordered, result.hypothesis, rng)
+            self.relearnt = True
+            result = self.resolve(fit(self.fitting, result.hypothesis, result.unknowns))
+        return result
+
+    def reweigh(self, chain: list[Fit], rounds: list[list[Ranked]]) -> tuple[list[Fit], list[list[Ranked]]]:
+        """Fits and evidence on the noise that the best effect of the last round leaves, where that is clearly lower.
+
+        Args:
+            chain: the models so far.
+            rounds: effects ranked in each round.
+        """
+        first = rounds[-1][0] if rounds[-1] and rounds[-1][0].refitted else None
+        found = chain[-1] if first is None else first.fit
+        best = self.relearn(found, uncover=True)
+        if best is found:
+            return chain, rounds
+        self.decide("all models fitted and weighed again on the lower noise")
+        again = [
+            [_with_fit(row, best if row is first else self._again(row.fit)) for row in ranked if row.refitted]
+            for ranked in rounds
+        ]
+        return [self._again(result) for result in chain], [
+            reweighed(old, new) for old, new in zip(rounds, again, strict=True)
+        ]
+
+    def _again(self, result: Fit) -> Fit:
+        unknowns, tolerance = result.unknowns, REWEIGHING_TOLERANCE
+        return fit(self.fitting, result.hypothesis, unknowns, max_iterations=4, tolerance=tolerance)
+
+
+def _with_fit(row: Ranked, result: Fit) -> Ranked:
+    return replace(row, fit=result, effect=result.hypothesis.effects[-1])
+
+
+def _in_words(before: Noise, now: Noise) -> str:
+    share = now.sensors / np.maximum(before.sensors, np.finfo(float).tiny)
+    parts = []
+    if np.any(share < 1.0):
+        parts.append(
+            f"the noise of {np.sum(share < 1.0)} sensors lowered, to {share.min():.2g} of its estimate at the least: "
+            "the model leaves no more in its quietest bands"
+        )
+    if now.excitation != before.excitation:
+        parts.append(f"noise of the excitation {now.excitation_method}")
+    return "; ".join(parts)
