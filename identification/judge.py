@@ -89,13 +89,27 @@ def _finals(finalists: Sequence[Sketch], fitting: Evaluator, base: Fit, progress
         result = refit(fitting, base, sketch.effect, sketch.fit.hypothesis.values)
         if result is not None:
             ranked.append(Ranked(result.hypothesis.effects[-1], result, refitted=True, log_evidence=0.0))
-    ordered = with_evidence(ranked)
+    ordered = _settled(fitting, with_evidence(ranked), progress)
     for sketch in ruled_out:
         farther = (sketch.fit.ratio / finalists[0].fit.ratio) ** 2 - 1.0
         behind = 0.5 * farther * ordered[0].fit.n_data
         ordered.append(Ranked(sketch.effect, sketch.fit, refitted=False, log_evidence=ordered[0].log_evidence - behind))
     return ordered
 
+
+def _settled(fitting: Evaluator, ranked: list[Ranked], progress: Progress) -> list[Ranked]:
+    """The ranking with those fitted to the end that the refits' tolerance cannot tell from the first."""
+    within = REFIT_TOLERANCE * ranked[0].fit.cost if ranked else 0.0
+    close = [row for row in ranked if row.log_evidence > ranked[0].log_evidence - within]
+    if len(close) < LEAST_CONTENDERS:
+        return ranked
+    progress(f"{' and '.join(row.effect.label() for row in close)} fit nearly alike; fitting them to the end")
+    fits = [fit(fitting, row.fit.hypothesis, row.fit.unknowns, tolerance=0.0) for row in close]
+    rows = [replace(row, fit=f, effect=f.hypothesis.effects[-1]) for row, f in zip(close, fits, strict=True)]
+    return with_evidence([*rows, *ranked[len(close) :]])
+
+
+LEAST_CONTENDERS = 2
 
 RULED_OUT = 1.3
 """A sketch this many times as far off as the best one, when that reaches the noise, is not refitted."""

@@ -95,3 +95,21 @@ def test_while_none_reaches_the_noise_all_are_refitted(refits):
 
     assert asked == ["point_mass", "point_damping"]
     assert [r.effect.kind for r in rows] == ["point_damping", "point_mass"]
+
+
+def test_those_that_fit_nearly_alike_are_fitted_to_the_end(refits, monkeypatch):
+    ratios, _ = refits
+    ratios.update(point_mass=1.0, point_damping=1.0004, point_stiffness=1.2)
+    asked = []
+
+    def to_the_end(evaluator, hypothesis, unknowns, *, tolerance):
+        asked.append((hypothesis.effects[-1].kind, tolerance))
+        return fit_of(hypothesis.effects[-1], 990.0 if hypothesis.effects[-1].kind == "point_damping" else 1000.0)
+
+    monkeypatch.setattr(judging, "fit", to_the_end)
+    others = PointDamping(HERE, damping=1.0), PointStiffness(HERE, stiffness=1.0)
+
+    rows = finals([sketch(MASS, 0.9), *(sketch(effect, 0.89) for effect in others)])
+
+    assert asked == [("point_mass", 0.0), ("point_damping", 0.0)]
+    assert [row.effect.kind for row in rows] == ["point_damping", "point_mass", "point_stiffness"]
