@@ -311,13 +311,14 @@ def _nothing(first: Sequence[Ranked], final: Fit) -> float:
 
 
 def _polish(session: Session, final: Fit) -> Fit:
-    """A last fit on all that can be predicted, where the fits so far used a part."""
+    """A last fit of all that can be predicted, to the end: in a flat valley intervals are right only at its bottom."""
     whole = cut_to(session.everything, float("inf"), session.limits)
-    if whole.n_data == session.fitting.n_data:
-        return final
     unknowns = (*unknowns_of(final.hypothesis, whole), *effect_unknowns(final.hypothesis))
     session.progress(f"last fit on all {whole.extent}")
-    return fit(whole, final.hypothesis, unknowns, max_iterations=4, tolerance=1e-3)
+    return fit(whole, final.hypothesis, unknowns, max_iterations=LAST_ITERATIONS, tolerance=0.0)
+
+
+LAST_ITERATIONS = 6
 
 
 def _held_out(

@@ -112,8 +112,8 @@ def fit(
     return Fit(state.hypothesis, unknowns, chi2, state.cost - chi2, evaluator.n_data, state.residual, rows, covariance)
 
 
-LEAST_GAIN = 2.0
-"""A smaller decrease of chi-square than this tells nothing about any unknown."""
+LEAST_GAIN = 0.1
+"""A smaller decrease of chi-square moves no unknown by more than a third of its standard deviation."""
 
 POOR_SHARE = 0.6
 """Where a step brings less than this share of what it promised, or that much more, the kept columns are out of date."""
