@@ -21,7 +21,7 @@ from models.rig import Beam
 
 Heat = tuple[float, float, int]
 
-HEATS: tuple[Heat, ...] = ((0.02, 0.4, 10), (0.1, 0.75, 10))
+HEATS: tuple[Heat, ...] = ((0.02, 0.4, 14), (0.1, 0.75, 10))
 """Share of the response's energy, and seconds at least, on which suspects are fitted; how many go on from there."""
 
 ITERATIONS_ALONE, ITERATIONS, TOLERANCE = 3, 5, 2e-2
@@ -29,6 +29,9 @@ ITERATIONS_ALONE, ITERATIONS, TOLERANCE = 3, 5, 2e-2
 
 ITERATIONS_TOGETHER = 8
 """From calibrated numbers."""
+
+MOST_LONG_RIVALS = 4
+"""Rivals fitted on whole records."""
 
 SIZES = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)
 """Factors on a suspect's size tried there."""
@@ -100,11 +103,8 @@ def rivals(evaluator: Evaluator, base: Fit, sketches: Sequence[Sketch], registry
     seen = {s.effect.kind for s in sketches if s.fit.ratio < ALIKE * sketches[0].fit.ratio}
     others = {name: kind for name, kind in registry.items() if name not in seen and kind.places}
     there = fit(evaluator, bare, concerning(base, evaluator), max_iterations=0)
-    found = promising(survey(evaluator, there, others, silent, position), 1)[:MOST_RIVALS]
+    found = promising(survey(evaluator, there, others, silent, position), 1)
     return [bare.with_effects(suspect.effect) for suspect in found]
-
-
-MOST_RIVALS = 4
 
 
 ALIKE = 1.5
@@ -191,7 +191,7 @@ def sketched_from_calibrated(
         if grown:
             starts += _grown(windows, bare, _best_size(windows[0], given, Projection(bare[0]), sizes))
         sketches += _together(evaluator, there, starts)
-    for rival in rivals(evaluator, there, by_share(sketches), registry):
+    for rival in rivals(evaluator, there, by_share(sketches), registry)[:MOST_LONG_RIVALS]:
         sketches += _together(evaluator, there, [rival])
     return by_share(sketches)
 
