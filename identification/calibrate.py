@@ -83,8 +83,7 @@ def concerning(base: Fit, evaluator: Evaluator) -> tuple[Unknown, ...]:
 
 def strained(result: Fit) -> list[RigUnknown]:
     """The rig's numbers that the fit pushed to the end of their tolerance."""
-    rig = (unknown for unknown in result.unknowns if isinstance(unknown, RigUnknown))
-    return [unknown for unknown in rig if abs(unknown.get(result.hypothesis)) > STRAINED_SHARE * LARGEST_SIGMA]
+    return _beyond(result, STRAINED_SHARE * LARGEST_SIGMA)
 
 
 STRAINED_SHARE = 0.95
@@ -93,9 +92,14 @@ STRAINED_SHARE = 0.95
 
 def pulled(result: Fit) -> bool:
     """Whether the fit moved a number of the rig so far that something else must have pulled it."""
-    rig = (unknown for unknown in result.unknowns if isinstance(unknown, RigUnknown))
-    return any(abs(unknown.get(result.hypothesis)) > PULLED_SIGMA for unknown in rig)
+    return bool(_beyond(result, PULLED_SIGMA))
 
 
 PULLED_SIGMA = 3.0
 """One true number in some 400 lies this many standard deviations from its given value."""
+
+
+def _beyond(result: Fit, sigmas: float) -> list[RigUnknown]:
+    """The rig's numbers that the fit moved by more than so many standard deviations."""
+    rig = (unknown for unknown in result.unknowns if isinstance(unknown, RigUnknown))
+    return [unknown for unknown in rig if abs(unknown.get(result.hypothesis)) > sigmas]

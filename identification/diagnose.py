@@ -9,7 +9,7 @@ import numpy as np
 from identification.assess import score, with_starts
 from identification.calibrate import calibrate, concerning, strained, unknowns_of
 from identification.evaluate import carry_noise
-from identification.evidence import Ranked, probabilities, reranked, with_evidence
+from identification.evidence import LEAST_EVIDENCE, Ranked, probabilities, reranked, with_evidence
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, effect_unknowns
 from identification.judge import judge, refit, restarted
@@ -40,9 +40,6 @@ LATER_SHARE = 0.6
 
 EXPLAINED_SHARE = 0.9
 """Share of the squared misfit beyond the noise that the effects must take away, where the noise is not reached."""
-
-LEAST_EVIDENCE = 12.0
-"""Logarithm of the odds that an effect must bring against the model without it."""
 
 FIT_SECONDS, SCREEN_SECONDS, TIME_SECONDS = 16.0, 5.0, 10.0
 """Seconds of records that are used for refits, for the screening, and for the screening of effects in time."""

@@ -10,6 +10,9 @@ from identification.fit import Fit
 from identification.hypothesis import EffectUnknown, PlaceUnknown, Unknown
 from models.effects import Effect
 
+LEAST_EVIDENCE = 12.0
+"""Logarithm of the odds that an effect, or a hidden noise, must bring against the model without it."""
+
 
 @dataclass(frozen=True, eq=False)
 class Ranked:

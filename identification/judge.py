@@ -71,8 +71,8 @@ def _surveyed(evaluator: Evaluator, base: Fit, registry: Registry, progress: Pro
     short = beginning(evaluator, *HEATS[0][:2])
     bare = fit(short, start, concerning(base, short), max_iterations=0)
     structure = start.rig.structure
-    apart = structure.length / GRID * 1.5 if isinstance(structure, Beam) else 0.0
-    found = promising(survey(short, bare, registry, progress), PER_KIND, apart)
+    distance = structure.length / GRID * 1.5 if isinstance(structure, Beam) else 0.0
+    found = promising(survey(short, bare, registry, progress), PER_KIND, distance)
     progress(f"sketching {len(found)} suspects on the beginning of the records")
     return heats(evaluator, start, base, [suspect.effect for suspect in found], registry)
 
@@ -101,15 +101,13 @@ def _settled(fitting: Evaluator, ranked: list[Ranked], progress: Progress) -> li
     """The ranking with those fitted to the end that the refits' tolerance cannot tell from the first."""
     within = REFIT_TOLERANCE * ranked[0].fit.cost if ranked else 0.0
     close = [row for row in ranked if row.log_evidence > ranked[0].log_evidence - within]
-    if len(close) < LEAST_CONTENDERS:
+    if not close[1:]:
         return ranked
     progress(f"{' and '.join(row.effect.label() for row in close)} fit nearly alike; fitting them to the end")
     fits = [fit(fitting, row.fit.hypothesis, row.fit.unknowns, tolerance=0.0) for row in close]
     rows = [replace(row, fit=f, effect=f.hypothesis.effects[-1]) for row, f in zip(close, fits, strict=True)]
     return with_evidence([*rows, *ranked[len(close) :]])
 
-
-LEAST_CONTENDERS = 2
 
 RULED_OUT = 1.3
 """A sketch this many times as far off as the best one, when that reaches the noise, is not refitted."""

@@ -16,9 +16,11 @@ from dataclasses import replace
 import numpy as np
 
 from identification.evaluate import Evaluator, Target, TimeTarget, carry_noise
+from identification.evidence import LEAST_EVIDENCE
 from identification.floor import scatter_of_medians, spectral_floor
 from identification.hypothesis import Hypothesis
 from identification.noise import BANDS, Noise
+from identification.prepare import level
 from models.arrays import ComplexArray, FloatArray
 
 NOISE_NEAR = 1.5
@@ -124,7 +126,7 @@ LEAST_WIDTH = 16
 
 def _gains(evaluator: Evaluator, hypothesis: Hypothesis, rng: np.random.Generator) -> dict[str, FloatArray]:
     """(n, lines) density at the sensors that the excitation's noise carries, relative to its own, by record."""
-    trial = {t.record.name: MOST_HIDDEN * _rms(t.record.excitation) for t in evaluator.timed if t.noise.hidden}
+    trial = {t.record.name: MOST_HIDDEN * level(t.record) for t in evaluator.timed if t.noise.hidden}
     shaken: list[Target] = [
         replace(target, noise=replace(target.noise, excitation=trial[target.record.name]))
         for target in evaluator.timed
@@ -140,7 +142,7 @@ def _gains(evaluator: Evaluator, hypothesis: Hypothesis, rng: np.random.Generato
 def _uncovered(target: TimeTarget, spectrum: ComplexArray, gain: FloatArray) -> Noise:
     """The noise with the hidden one of the excitation at its likeliest, if that explains what is left."""
     noise = target.noise
-    rms = _rms(target.record.excitation)
+    rms = level(target.record)
     most = noise.excitation or MOST_HIDDEN * rms
     trials = np.array([noise.excitation, *(most * np.geomspace(LEAST_HIDDEN, 1.0, HIDDEN_TRIALS))])
     sensors, power = TimeTarget.of(target.record, noise).density, np.abs(spectrum) ** 2
@@ -155,14 +157,7 @@ def _uncovered(target: TimeTarget, spectrum: ComplexArray, gain: FloatArray) -> 
     return replace(noise, excitation=float(trials[best]), excitation_method=words)
 
 
-LEAST_EVIDENCE = 12.0
-"""Logarithm of the odds that a hidden noise must bring: as many as an effect."""
-
 LEAST_HIDDEN = 0.03
 """The smallest share of the largest noise that is tried."""
 
 HIDDEN_TRIALS = 25
-
-
-def _rms(signal: FloatArray | None) -> float:
-    return 0.0 if signal is None else float(np.sqrt(np.mean(signal**2)))

@@ -4,13 +4,14 @@ For each trial value the model is simulated once. The change of the response, fr
 could do as well, is laid on the residual; the share of chi-square that it takes away, at its best size, is the score.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from identification.evaluate import Evaluator
 from identification.fit import Fit
+from identification.hypothesis import Hypothesis
 from identification.progress import Progress
 from identification.scene import places_near, places_of, scenes
 from models.arrays import FloatArray
@@ -121,13 +122,10 @@ def survey(
     projection = Projection(start)
     ladder = [size for row in _trials(evaluator, start, registry, near).values() for size in _ladder(row)]
     progress(f"surveying {len(registry)} kinds of effect at every place: {len(ladder)} trials")
-    suspects = []
-    for first in range(0, len(ladder), BATCH):
-        batch = ladder[first : first + BATCH]
-        rows = evaluator.residuals([(start.hypothesis.with_effects(effect), None) for effect in batch])
-        for effect, row in zip(batch, rows, strict=True):
-            if row is not None:
-                suspects.append(Suspect(effect, projection.misfit - projection.left_of(row)))
+    suspects = [
+        Suspect(effect, projection.misfit - projection.left_of(row))
+        for effect, row in _residuals(evaluator, start.hypothesis, ladder)
+    ]
     return sorted(suspects, key=lambda suspect: -suspect.gain)
 
 
@@ -143,14 +141,20 @@ BETWEEN = (0.46, 1.0, 2.15)
 
 def _tried(evaluator: Evaluator, base: Fit, projection: Projection, trials: Sequence[Effect]) -> list[Suspect]:
     suspects: list[Suspect] = []
+    for effect, row in _residuals(evaluator, base.hypothesis, trials):
+        gain, factor = projection.gain(row - base.residual, two_sided=_two_sided(effect))
+        suspects.append(Suspect(effect.scaled(factor), gain))
+    return suspects
+
+
+def _residuals(
+    evaluator: Evaluator, model: Hypothesis, trials: Sequence[Effect]
+) -> Iterator[tuple[Effect, FloatArray]]:
+    """Each trial with the residual of the model that has it too; those that diverge are left out."""
     for start in range(0, len(trials), BATCH):
         batch = trials[start : start + BATCH]
-        rows = evaluator.residuals([(base.hypothesis.with_effects(effect), None) for effect in batch])
-        for effect, row in zip(batch, rows, strict=True):
-            if row is not None:
-                gain, factor = projection.gain(row - base.residual, two_sided=_two_sided(effect))
-                suspects.append(Suspect(effect.scaled(factor), gain))
-    return suspects
+        rows = evaluator.residuals([(model.with_effects(effect), None) for effect in batch])
+        yield from ((effect, row) for effect, row in zip(batch, rows, strict=True) if row is not None)
 
 
 BATCH = 16

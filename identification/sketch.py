@@ -76,9 +76,10 @@ def heats(
     sketches: list[Sketch] = []
     for share, seconds, most in HEATS:
         window = beginning(evaluator, share, seconds)
-        sketches = apart(sketched(window, start, base, starts))
+        ground = ground_of(window, start, base)
+        sketches = apart(sketched(ground, starts))
         others = rivals(window, base, sketches, registry)
-        sketches = apart(by_share([*sketches, *sketched(window, start, base, others)]))[:most]
+        sketches = apart(by_share([*sketches, *sketched(ground, others)]))[:most]
         starts = [sketch.fit.hypothesis for sketch in sketches]
     return sketches
 
@@ -140,28 +141,53 @@ SAME_PLACE = 0.02
 """Share of the length within which two positions are one."""
 
 
-def sketched(evaluator: Evaluator, start: Hypothesis, base: Fit, suspects: Sequence[Hypothesis]) -> list[Sketch]:
-    """Each suspect fitted on the evaluator's records, first by itself, then with all unknowns; best first.
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """What all sketches on one part of the records share.
+
+    Attributes:
+        evaluator: that part.
+        slopes: (n_unknowns, n_data) Jacobian of the model without a suspect, where the sketches begin.
+        bare: the best fit of that model.
+    """
+
+    evaluator: Evaluator
+    slopes: FloatArray
+    bare: Fit
+
+
+def ground_of(evaluator: Evaluator, start: Hypothesis, base: Fit) -> Ground:
+    """The ground of sketches that begin at ``start``.
 
     Args:
         evaluator: records to fit.
         start: the model without a suspect.
         base: the calibrated model, for its unknowns.
-        suspects: the model with one effect more each.
     """
     shared = concerning(base, evaluator)
-    rows = fit(evaluator, start, shared, max_iterations=0).jacobian
+    slopes = fit(evaluator, start, shared, max_iterations=0).jacobian
     bare = min(
-        fit(evaluator, start, shared, max_iterations=ITERATIONS, jacobian=rows, tolerance=TOLERANCE),
-        fit(evaluator, base.hypothesis, shared, max_iterations=0),
+        fit(evaluator, start, shared, max_iterations=ITERATIONS, jacobian=slopes, tolerance=TOLERANCE),
+        fit(evaluator, base.hypothesis, shared, max_iterations=0, jacobian=slopes),
         key=lambda f: f.cost,
     )
+    return Ground(evaluator, slopes, bare)
+
+
+def sketched(ground: Ground, suspects: Sequence[Hypothesis]) -> list[Sketch]:
+    """Each suspect fitted first by itself, then with all unknowns; best first.
+
+    Args:
+        ground: records to fit.
+        suspects: the model with one effect more each.
+    """
     sketches = []
     for suspect in suspects:
         own = own_unknowns(suspect)
-        alone = _tried(evaluator, suspect, own, ITERATIONS_ALONE)
-        found = alone and _tried(evaluator, alone.hypothesis, (*shared, *own), ITERATIONS, rows)
-        sketches += [Sketch(bare, found)] if found else []
+        alone = _tried(ground.evaluator, suspect, own, ITERATIONS_ALONE)
+        unknowns = (*ground.bare.unknowns, *own)
+        found = alone and _tried(ground.evaluator, alone.hypothesis, unknowns, ITERATIONS, ground.slopes)
+        sketches += [Sketch(ground.bare, found)] if found else []
     return by_share(sketches)
 
 

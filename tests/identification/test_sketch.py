@@ -5,7 +5,7 @@ from trial_records import REFERENCE, evaluator_of, fit_of, measured, moved, mult
 
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, rig_unknowns
-from identification.sketch import Sketch, apart, heats, rivals, sketched
+from identification.sketch import Sketch, apart, ground_of, heats, rivals, sketched
 from models.effects import EFFECTS, Place
 from models.effects.point_damping import PointDamping
 from models.effects.point_mass import PointMass
@@ -35,7 +35,7 @@ def test_the_truth_is_fitted_from_half_its_size(greased):
     evaluator, base = greased
     small = GREASE.scaled(0.5)
 
-    (found,) = sketched(evaluator, Hypothesis(REFERENCE), base, [Hypothesis(REFERENCE, effects=(small,))])
+    (found,) = sketched(ground_of(evaluator, Hypothesis(REFERENCE), base), [Hypothesis(REFERENCE, effects=(small,))])
 
     assert found.fit.ratio < 0.1 * found.base.ratio
     assert found.effect.damping == pytest.approx(GREASE.damping, rel=0.1)
@@ -43,7 +43,9 @@ def test_the_truth_is_fitted_from_half_its_size(greased):
 
 def test_the_rivals_of_a_dashpot_near_a_sleeve_are_the_films_in_it(greased):
     evaluator, base = greased
-    (imitator,) = sketched(evaluator, Hypothesis(REFERENCE), base, [Hypothesis(REFERENCE, effects=(DASHPOT,))])
+    (imitator,) = sketched(
+        ground_of(evaluator, Hypothesis(REFERENCE), base), [Hypothesis(REFERENCE, effects=(DASHPOT,))]
+    )
 
     others = rivals(evaluator, base, [imitator], REGISTRY)
 
