@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from identification.calibrate import calibrate, unknowns_of
-from identification.evaluate import Evaluator, nrmse, scored_spectrum
+from identification.evaluate import Evaluator, nrmse
 from identification.hypothesis import Hypothesis, effect_unknowns
 from identification.prepare import prepare, start_unknowns
 from identification.result import RecordScore, Score
@@ -37,7 +37,7 @@ def score(evaluator: Evaluator, hypothesis: Hypothesis) -> Score:
     """Errors of a hypothesis on the evaluator's records, starts as they are."""
     rows: list[RecordScore] = []
     for target, response in zip(evaluator.timed, evaluator.responses(hypothesis), strict=True):
-        residual = scored_spectrum(response.channels) - target.measured
+        residual = target.spectrum(response.channels) - target.measured
         power = np.maximum(np.sum(np.abs(target.measured) ** 2, axis=1), np.finfo(float).tiny)
         rows.append(
             RecordScore(

@@ -9,9 +9,17 @@ import numpy as np
 from identification.assess import score, with_starts
 from identification.calibrate import calibrate, concerning, strained, unknowns_of
 from identification.evaluate import carry_noise
-from identification.evidence import LEAST_EVIDENCE, Ranked, probabilities, reranked, with_evidence
+from identification.evidence import (
+    LEAST_EVIDENCE,
+    Ranked,
+    misfit_in_common,
+    probabilities,
+    reranked,
+    with_evidence,
+)
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, effect_unknowns
+from identification.intervals import corrected
 from identification.judge import judge, refit, restarted
 from identification.maps import error_map
 from identification.missing_force import missing_forces
@@ -101,6 +109,9 @@ def diagnose(
         if chosen is None:
             break
         chosen = session.resolve(chosen)
+        learnt = session.relearn(chosen)
+        if learnt is not chosen:
+            chosen, chain = learnt, session.again(chain)
         chain.append(chosen)
         stages.append(_stage(session, f"+ {chosen.hypothesis.effects[-1].label()}", chosen.hypothesis))
     verdict = _verdict(session, chain[0], chain[-1], rounds)
@@ -197,8 +208,7 @@ def _accept(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | None
         session.decide("no effect of the library improves the model")
         return None
     best = ranked[0]
-    scale = max(1.0, best.fit.ratio**2)
-    odds = best.log_evidence + 0.5 * base.cost / scale
+    odds = best.log_evidence + 0.5 * base.cost / misfit_in_common(ranked)
     share = (base.cost - best.fit.cost) / max(base.cost - base.n_data, 1.0)
     name = best.effect.label()
     least = LATER_SHARE if base.hypothesis.effects and best.fit.ratio > NOISE_NEAR else LEAST_SHARE
@@ -303,8 +313,9 @@ def _result(
 
 def _nothing(first: Sequence[Ranked], final: Fit) -> float:
     """Log evidence of "nothing more", on the scale of the round."""
-    scale = max(1.0, min(r.fit.ratio for r in first) ** 2)
-    return -0.5 * final.cost / scale if not final.hypothesis.effects else min(r.log_evidence for r in first) - 50.0
+    if final.hypothesis.effects:
+        return min(r.log_evidence for r in first) - 50.0
+    return -0.5 * final.cost / misfit_in_common(first)
 
 
 def _polish(session: Session, final: Fit) -> Fit:
@@ -312,7 +323,8 @@ def _polish(session: Session, final: Fit) -> Fit:
     whole = cut_to(session.everything, float("inf"), session.limits)
     unknowns = (*unknowns_of(final.hypothesis, whole), *effect_unknowns(final.hypothesis))
     session.progress(f"last fit on all {whole.extent}")
-    return fit(whole, final.hypothesis, unknowns, max_iterations=LAST_ITERATIONS, tolerance=0.0)
+    last = fit(whole, final.hypothesis, unknowns, max_iterations=LAST_ITERATIONS, tolerance=0.0)
+    return corrected(whole, last, np.random.default_rng(session.seed))
 
 
 LAST_ITERATIONS = 6

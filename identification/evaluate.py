@@ -39,6 +39,9 @@ class Target(Protocol):
     def nrmse_of_noise(self) -> float:
         """NRMSE that the noise alone leaves."""
 
+    def nrmse_left(self, residual: FloatArray) -> float:
+        """NRMSE of a residual, (n_data,) in units of the noise."""
+
     def residual(self, hypothesis: Hypothesis, settings: Settings) -> FloatArray:
         """(n_data,) model minus measured in standard deviations of the noise.
 
@@ -52,37 +55,43 @@ class TimeTarget:
     """A time record as a fit sees it.
 
     Attributes:
-        record: measured.
+        record: measured, as far as it is judged.
         noise: of its channels.
         measured: (n, lines) spectrum below 0.35 fs.
         density: (n, lines) noise density per line, sensors' and carried by the model from the excitation, SI^2.
+        driven: what is simulated: the record, and a little of what came after it where the test went on.
     """
 
     record: Record
     noise: Noise
     measured: ComplexArray
     density: FloatArray
+    driven: Record
 
     @classmethod
     def of(cls, record: Record, noise: Noise) -> "TimeTarget":
         """With the sensors' noise alone."""
-        measured = scored_spectrum(record.responses)
-        sensors = np.maximum(noise.sensors, LEAST_NOISE * record.responses.std(axis=1))
-        return cls(record, noise, measured, np.repeat(sensors[:, None] ** 2, measured.shape[1], axis=1))
+        return cls(record, noise, scored_spectrum(record.responses), np.empty(0), record).with_noise(noise)
+
+    def with_noise(self, noise: Noise) -> "TimeTarget":
+        """With another noise of the sensors, and none carried from the excitation."""
+        sensors = np.maximum(noise.sensors, LEAST_NOISE * self.record.responses.std(axis=1))
+        density = np.repeat(sensors[:, None] ** 2, self.measured.shape[1], axis=1)
+        return replace(self, noise=noise, density=density)
 
     def cut(self, n_samples: int) -> "TimeTarget":
-        """The first samples only."""
-        if n_samples >= self.record.n_samples:
+        """The first samples only, and never the last ``AHEAD`` of a test."""
+        n = min(n_samples, self.driven.n_samples - AHEAD)
+        if n >= self.record.n_samples or n < AHEAD:
             return self
-        record = self.record
-        short = replace(
-            record,
-            responses=record.responses[:, :n_samples],
-            excitation=None if record.excitation is None else record.excitation[:n_samples],
-        )
+        short = _first(self.record, n)
         measured = scored_spectrum(short.responses)
         line = np.linspace(0, self.density.shape[1] - 1, measured.shape[1]).astype(int)
-        return TimeTarget(short, self.noise, measured, self.density[:, line])
+        return TimeTarget(short, self.noise, measured, self.density[:, line], _first(self.driven, n + AHEAD))
+
+    def spectrum(self, channels: FloatArray) -> ComplexArray:
+        """(n, lines) spectrum of what was simulated, as far as it is judged."""
+        return scored_spectrum(channels[:, : self.record.n_samples])
 
     @property
     def n_data(self) -> int:
@@ -95,10 +104,28 @@ class TimeTarget:
         n = self.record.n_samples
         return float(np.sqrt(n * self.density.sum() / np.sum(np.abs(self.measured) ** 2)))
 
+    def nrmse_left(self, residual: FloatArray) -> float:
+        """NRMSE of a residual, (n_data,) in units of the noise."""
+        return nrmse(unwhitened(residual, self) * np.sqrt(float(self.record.n_samples)), self.measured)
+
     def residual(self, hypothesis: Hypothesis, settings: Settings) -> FloatArray:
         """(n_data,) model minus measured in standard deviations of the noise."""
-        channels = hypothesis.simulated(self.record, settings).channels
-        return whitened(scored_spectrum(channels) - self.measured, self)
+        channels = hypothesis.simulated(self.driven, settings).channels
+        return whitened(self.spectrum(channels) - self.measured, self)
+
+
+AHEAD = 16
+"""Samples that must follow one for it to be judged: the recorder's filter and the force between samples see them."""
+
+
+def _first(record: Record, n_samples: int) -> Record:
+    """The first samples of a record."""
+    force = record.excitation
+    return replace(
+        record,
+        responses=record.responses[:, :n_samples],
+        excitation=None if force is None else force[:n_samples],
+    )
 
 
 LEAST_NOISE = 1e-5
@@ -167,8 +194,18 @@ class Evaluator:
         parts = [f"{sum(target.record.duration for target in self.timed):.1f} s of records"] if self.timed else []
         return " and ".join([*parts, *(target.record.name for target in self.at_rest)])
 
+    def nrmse_of(self, residual: FloatArray) -> float:
+        """NRMSE of a residual over all targets, the squares of the records averaged.
+
+        Args:
+            residual: (n_data,) in units of the noise.
+        """
+        parts = np.split(residual, np.cumsum([target.n_data for target in self.targets])[:-1])
+        errors = [target.nrmse_left(part) for target, part in zip(self.targets, parts, strict=True)]
+        return float(np.sqrt(np.mean(np.square(errors))))
+
     def responses(self, hypothesis: Hypothesis, settings: Settings | None = None) -> list[Response]:
-        """The model's response to every time record.
+        """The model's response to every time record, and to what came after it where the test went on.
 
         Raises:
             DivergenceError: the motion left the finite numbers.
@@ -176,7 +213,7 @@ class Evaluator:
         plant = hypothesis.plant()
 
         def one(target: TimeTarget) -> Response:
-            return hypothesis.simulated(target.record, settings or self.settings, plant)
+            return hypothesis.simulated(target.driven, settings or self.settings, plant)
 
         self.n_runs += len(self.timed)
         return list(_pool(self.jobs).map(one, self.timed))
@@ -221,6 +258,11 @@ def whitened(residual: ComplexArray, target: TimeTarget) -> FloatArray:
     return np.ascontiguousarray(residual * weight).view(float).ravel()
 
 
+def unwhitened(residual: FloatArray, target: TimeTarget) -> ComplexArray:
+    """(n, lines) spectrum of what ``whitened`` made, scaled so that white noise reads its variance."""
+    return np.asarray(residual.view(complex).reshape(target.measured.shape) * np.sqrt(0.5 * target.density))
+
+
 def carry_noise(
     evaluator: Evaluator, hypothesis: Hypothesis, rng: np.random.Generator, realisations: int = 4
 ) -> list[Target]:
@@ -238,15 +280,15 @@ def carry_noise(
     clean = dict(zip([t.record.name for t in noisy], _spectra(evaluator.with_targets(noisy), hypothesis), strict=True))
     power = {name: np.zeros(spectrum.shape) for name, spectrum in clean.items()}
     for _ in range(realisations):
-        shaken = [replace(t, record=_shaken(t.record, t.noise.excitation, rng)) for t in noisy]
-        for target, spectrum in zip(shaken, _spectra(evaluator.with_targets(shaken), hypothesis), strict=True):
+        disturbed = [replace(t, driven=shaken(t.driven, t.noise.excitation, rng)) for t in noisy]
+        for target, spectrum in zip(disturbed, _spectra(evaluator.with_targets(disturbed), hypothesis), strict=True):
             power[target.record.name] += np.abs(spectrum - clean[target.record.name]) ** 2
     targets: list[Target] = []
     for each in evaluator.targets:
         if not isinstance(each, TimeTarget):
             targets.append(each)
             continue
-        base = TimeTarget.of(each.record, each.noise)
+        base = each.with_noise(each.noise)
         if each.record.name in power:
             mean = power[each.record.name] / (realisations * each.record.n_samples)
             base = replace(base, density=base.density + uniform_filter1d(mean, SMOOTHED_LINES, axis=1))
@@ -258,10 +300,12 @@ SMOOTHED_LINES = 9
 
 
 def _spectra(evaluator: Evaluator, hypothesis: Hypothesis) -> list[ComplexArray]:
-    return [scored_spectrum(response.channels) for response in evaluator.responses(hypothesis)]
+    responses = evaluator.responses(hypothesis)
+    return [target.spectrum(each.channels) for target, each in zip(evaluator.timed, responses, strict=True)]
 
 
-def _shaken(record: Record, sigma: float, rng: np.random.Generator) -> Record:
+def shaken(record: Record, sigma: float, rng: np.random.Generator) -> Record:
+    """The record with white noise of a standard deviation, SI, added to its measured excitation."""
     if record.excitation is None:
         return record
     return replace(record, excitation=record.excitation + sigma * rng.standard_normal(record.n_samples))

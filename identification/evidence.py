@@ -34,15 +34,21 @@ class Ranked:
 def with_evidence(ranked: Sequence[Ranked]) -> list[Ranked]:
     """Sorted by Laplace's approximation to the evidence, with residuals in units of what the best fit leaves.
 
-    log Z = -cost / (2 s^2) + sum over the effect's unknowns of log(posterior std / prior std); s^2 is 1 where the noise
-    is reached and the best reduced chi-square where no model reaches it, so that a misfit common to all does not speak.
+    log Z = -cost / (2 s^2) + log(volume of the posterior / volume of the prior) over the effect's unknowns; s^2 is 1
+    where the noise is reached and the best reduced chi-square where no model reaches it, so that a misfit common to all
+    does not speak.
     Source: D. J. C. MacKay, Information Theory, Inference, and Learning Algorithms (2003), chapter 28.
     """
     if not ranked:
         return []
-    scale = max(1.0, min(r.fit.ratio for r in ranked) ** 2)
-    scored = [replace(r, log_evidence=-0.5 * r.fit.cost / scale + log_occam(r.fit)) for r in ranked]
+    scale = misfit_in_common(ranked)
+    scored = [replace(r, log_evidence=-0.5 * r.fit.cost / scale + log_occam(r.fit, scale)) for r in ranked]
     return sorted(scored, key=lambda r: -r.log_evidence)
+
+
+def misfit_in_common(ranked: Sequence[Ranked]) -> float:
+    """Reduced chi-square that the best refit leaves, 1 at least: the square of the unit of all residuals of a round."""
+    return max(1.0, min(r.fit.ratio for r in ranked if r.refitted) ** 2)
 
 
 def reranked(ranked: Sequence[Ranked], better: Fit) -> list[Ranked]:
@@ -70,18 +76,23 @@ def reweighed(ranked: Sequence[Ranked], refitted: Sequence[Ranked]) -> list[Rank
     return [*rows, *(replace(r, log_evidence=r.log_evidence + shift) for r in ranked if not r.refitted)]
 
 
-def log_occam(result: Fit) -> float:
-    """Logarithm of the share of the prior's volume that the data leave to the last effect's unknowns."""
+def log_occam(result: Fit, scale: float = 1.0) -> float:
+    """Logarithm of the share of the prior's volume that the data leave to the last effect's unknowns.
+
+    Args:
+        result: with covariances for noise of unit size.
+        scale: square of the noise's size.
+    """
     index = len(result.hypothesis.effects) - 1
     own = [i for i, u in enumerate(result.unknowns) if getattr(u, "effect", None) == index]
     if not own:
         return 0.0
-    total = 0.0
-    for i, std in zip(own, np.sqrt(np.maximum(np.diag(result.covariance)[own], 1e-300)), strict=True):
-        unknown = result.unknowns[i]
-        spread = PLACES if isinstance(unknown, PlaceUnknown) else _spread(unknown)
-        total += min(0.0, log(np.sqrt(2.0 * pi) * std / spread))
-    return total
+    _, volume = np.linalg.slogdet(2.0 * pi * scale * result.covariance[np.ix_(own, own)])
+    prior = sum(
+        log(PLACES if isinstance(unknown, PlaceUnknown) else _spread(unknown))
+        for unknown in (result.unknowns[i] for i in own)
+    )
+    return min(0.0, 0.5 * float(volume) - prior)
 
 
 PLACES = 20.0

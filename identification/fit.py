@@ -107,10 +107,20 @@ def fit(
         _differentiate(evaluator, state, unknowns, rows, range(first, len(unknowns)))
         fresh = refresh_all or kept == 0
     normal = rows @ rows.T + np.diag(prior)
-    covariance = np.asarray(np.linalg.pinv(normal, hermitian=True), np.float64)
     chi2 = float(state.residual @ state.residual)
-    return Fit(state.hypothesis, unknowns, chi2, state.cost - chi2, evaluator.n_data, state.residual, rows, covariance)
+    return Fit(
+        state.hypothesis, unknowns, chi2, state.cost - chi2, evaluator.n_data, state.residual, rows, _inverse(normal)
+    )
 
+
+def _inverse(normal: FloatArray) -> FloatArray:
+    """The inverse in which what the data do not tell is not known, instead of known to be 0."""
+    value, vector = np.linalg.eigh(normal)
+    return np.asarray((vector / np.maximum(value, NOT_TOLD)) @ vector.T)
+
+
+NOT_TOLD = 1e-6
+"""Information, in an unknown's own coordinate, that counts as none: a standard deviation of a thousand units."""
 
 LEAST_GAIN = 0.1
 """A smaller decrease of chi-square moves no unknown by more than a third of its standard deviation."""
@@ -136,12 +146,19 @@ def _start(evaluator: Evaluator, hypothesis: Hypothesis, unknowns: tuple[Unknown
 def _differentiate(
     evaluator: Evaluator, state: _State, unknowns: tuple[Unknown, ...], rows: FloatArray, which: range
 ) -> None:
-    """Fill rows with one-sided differences; a coordinate at its bound is moved the other way."""
+    """Fill rows with one-sided differences; a coordinate at its bound is moved the other way.
+
+    Where the row is known from before, the coordinate is moved by what changes the residual by a small share only: the
+    wider step that finds the way to a minimum makes degenerate numbers look independent there.
+    """
+    change = max(LEAST_CHANGE, SHARE_OF_RESIDUAL * float(np.linalg.norm(state.residual)))
     moved: list[Hypothesis] = []
     for k in which:
-        forward = unknowns[k].set(state.hypothesis, state.x[k] + unknowns[k].step)
-        if abs(unknowns[k].get(forward) - state.x[k]) < 0.5 * unknowns[k].step:
-            forward = unknowns[k].set(state.hypothesis, state.x[k] - unknowns[k].step)
+        known = float(np.linalg.norm(rows[k]))
+        step = unknowns[k].step if known == 0.0 else min(max(change / known, LEAST_STEP), unknowns[k].step)
+        forward = unknowns[k].set(state.hypothesis, state.x[k] + step)
+        if abs(unknowns[k].get(forward) - state.x[k]) < 0.5 * step:
+            forward = unknowns[k].set(state.hypothesis, state.x[k] - step)
         moved.append(forward)
     results = evaluator.residuals([(h, unknowns[k].record) for h, k in zip(moved, which, strict=True)])
     for k, new, hypothesis in zip(which, results, moved, strict=True):
@@ -151,6 +168,13 @@ def _differentiate(
             continue
         rows[k] = new - state.residual if unknowns[k].record is None else _only(evaluator, state, unknowns[k], new)
         rows[k] /= change
+
+
+LEAST_CHANGE, SHARE_OF_RESIDUAL = 3.0, 0.01
+"""Norm, in standard deviations of the noise, by which a difference moves the residual: at least, and of its own."""
+
+LEAST_STEP = 1e-6
+"""Smallest difference, in an unknown's own coordinate; a smaller one drowns in the stepper's own tolerance."""
 
 
 def _only(evaluator: Evaluator, state: _State, unknown: Unknown, new: FloatArray) -> FloatArray:

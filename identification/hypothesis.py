@@ -57,10 +57,14 @@ class Hypothesis:
             settings: resolution.
             plant: of this hypothesis, if it is at hand.
         """
+        return simulate(plant or self.plant(), self.at_zero(record), settings, self.starts.get(record.name))
+
+    def at_zero(self, record: Record) -> Record:
+        """The record with its excitation less what its channel reads at rest."""
         offset = self.offsets.get(record.name, 0.0)
-        if offset and record.excitation is not None:
-            record = replace(record, excitation=record.excitation - offset)
-        return simulate(plant or self.plant(), record, settings, self.starts.get(record.name))
+        if not offset or record.excitation is None:
+            return record
+        return replace(record, excitation=record.excitation - offset)
 
     def with_effects(self, *effects: Effect) -> "Hypothesis":
         """With more effects."""

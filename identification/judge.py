@@ -5,13 +5,22 @@ from dataclasses import replace
 
 from identification.calibrate import beginning, calibrate, concerning, pulled
 from identification.evaluate import Evaluator
-from identification.evidence import Ranked, with_evidence
+from identification.evidence import Ranked, misfit_in_common, with_evidence
 from identification.fit import Fit, fit
-from identification.hypothesis import own_unknowns
+from identification.hypothesis import free_place, own_unknowns
 from identification.progress import Progress
-from identification.scene import GRID
-from identification.screen import promising, screen, survey
-from identification.sketch import HEATS, Sketch, apart, by_share, heats, sketched_from_calibrated
+from identification.scene import GRID, places_of
+from identification.screen import Suspect, promising, screen, survey
+from identification.sketch import (
+    HEATS,
+    Sketch,
+    afresh,
+    apart,
+    by_share,
+    heats,
+    is_same_place,
+    sketched_from_calibrated,
+)
 from models.effects import Effect, Registry
 from models.rig import Beam
 
@@ -47,7 +56,8 @@ def judge(
     for evaluator, there, registry in screening:
         lasting = any(kind.family == "time" for kind in registry.values())
         if lasting or not large:
-            found = promising(screen(evaluator, there, registry, progress), PER_KIND)[:MOST_LONG_SKETCHES]
+            found = promising(screen(evaluator, there, registry, progress), PER_KIND, _distance(base))
+            found = first_of_each_kind(found)[:MOST_LONG_SKETCHES]
             progress(f"sketching {len(found)} suspects on {evaluator.extent}")
             effects = [suspect.effect for suspect in found]
             sketches += sketched_from_calibrated(evaluator, there, effects, registry, grown=not lasting)
@@ -67,14 +77,28 @@ def _surveyed(evaluator: Evaluator, base: Fit, registry: Registry, progress: Pro
     A calibration without the missing effect pulls the numbers to where they imitate it, and the effect added to that
     makes matters worse; from the numbers as given, it helps.
     """
-    start = replace(base.hypothesis, values={})
+    start = afresh(base.hypothesis)
     short = beginning(evaluator, *HEATS[0][:2])
     bare = fit(short, start, concerning(base, short), max_iterations=0)
-    structure = start.rig.structure
-    distance = structure.length / GRID * 1.5 if isinstance(structure, Beam) else 0.0
-    found = promising(survey(short, bare, registry, progress), PER_KIND, distance)
+    found = promising(survey(short, bare, registry, progress), PER_KIND, _distance(base))
     progress(f"sketching {len(found)} suspects on the beginning of the records")
     return heats(evaluator, start, base, [suspect.effect for suspect in found], registry)
+
+
+def _distance(base: Fit) -> float:
+    """Distance, m, within which two places of the grid lie in one valley."""
+    structure = base.hypothesis.rig.structure
+    return 1.5 * structure.length / GRID if isinstance(structure, Beam) else 0.0
+
+
+def first_of_each_kind(suspects: Sequence[Suspect]) -> list[Suspect]:
+    """The best place of every kind before the second place of any.
+
+    Args:
+        suspects: the best first.
+    """
+    best = {suspect.effect.kind: suspect for suspect in reversed(suspects)}
+    return [*(s for s in suspects if s is best[s.effect.kind]), *(s for s in suspects if s is not best[s.effect.kind])]
 
 
 def _finals(finalists: Sequence[Sketch], fitting: Evaluator, base: Fit, progress: Progress) -> list[Ranked]:
@@ -89,7 +113,8 @@ def _finals(finalists: Sequence[Sketch], fitting: Evaluator, base: Fit, progress
         result = refit(fitting, base, sketch.effect, sketch.fit.hypothesis.values)
         if result is not None:
             ranked.append(Ranked(result.hypothesis.effects[-1], result, refitted=True, log_evidence=0.0))
-    ordered = _settled(fitting, with_evidence(ranked), progress)
+    ordered = with_evidence(ranked)
+    ordered = _settled(fitting, with_evidence([*ordered, *_at_sleeves(fitting, base, ordered)]), progress)
     for sketch in ruled_out:
         farther = (sketch.fit.ratio / finalists[0].fit.ratio) ** 2 - 1.0
         behind = 0.5 * farther * ordered[0].fit.n_data
@@ -97,9 +122,23 @@ def _finals(finalists: Sequence[Sketch], fitting: Evaluator, base: Fit, progress
     return ordered
 
 
+def _at_sleeves(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked]) -> list[Ranked]:
+    """The best effect again at a sleeve that its free place has come to, where it has no place to fit."""
+    if not ranked:
+        return []
+    effect, rig = ranked[0].effect, ranked[0].fit.hypothesis.rig
+    rows = []
+    for place in places_of(type(effect), rig) if free_place(effect) else ():
+        if place.sleeve is not None and is_same_place(place, effect.place, rig):
+            result = refit(fitting, base, replace(effect, place=place), ranked[0].fit.hypothesis.values)
+            if result is not None:
+                rows.append(Ranked(result.hypothesis.effects[-1], result, refitted=True, log_evidence=0.0))
+    return rows
+
+
 def _settled(fitting: Evaluator, ranked: list[Ranked], progress: Progress) -> list[Ranked]:
     """The ranking with those fitted to the end that the refits' tolerance cannot tell from the first."""
-    within = REFIT_TOLERANCE * ranked[0].fit.cost if ranked else 0.0
+    within = 0.5 * REFIT_TOLERANCE * ranked[0].fit.cost / misfit_in_common(ranked) if ranked else 0.0
     close = [row for row in ranked if row.log_evidence > ranked[0].log_evidence - within]
     if not close[1:]:
         return ranked

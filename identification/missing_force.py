@@ -59,7 +59,9 @@ def missing_forces(evaluator: Evaluator, hypothesis: Hypothesis) -> tuple[Missin
     settings = replace(evaluator.settings, trace=True)
     found: list[MissingForce] = []
     for target in evaluator.timed:
-        response = simulate(plant, target.record, settings, hypothesis.starts.get(target.record.name))
+        response = simulate(
+            plant, hypothesis.at_zero(target.record), settings, hypothesis.starts.get(target.record.name)
+        )
         if any(port.derivative == 0 for port in response.model.ports):
             found.extend(_Run(target, response).missing_forces())
     return tuple(found)

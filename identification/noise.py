@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import get_window
 
-from identification.floor import Floor, median_over_mean, scatter_of_medians, spectral_floor
+from identification.floor import Floor, common_floor, median_over_mean, scatter_of_medians, spectral_floor
 from identification.period import find_period
 from models.arrays import AnyArray, FloatArray
 from models.band_limit import SCORE_EDGE
@@ -27,8 +27,8 @@ ROOM = (0.2, SCORE_EDGE)
 STOPPED = (0.45, 0.495)
 """Band in which a recorded signal holds nothing but noise added after the filter."""
 
-FLOOR_RATIO = 0.01
-"""A quietest band with more than this share of the mean density is signal, not noise."""
+MOST_BELIEVED = 0.05
+"""Noise of a force sensor, as a share of its signal's rms, above which a quietest band is taken for signal."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,9 +111,14 @@ def _excitation_noise(record: Record, period: int | None) -> tuple[float | None,
     """Standard deviation, None where the excitation hides it, and how it was found."""
     if record.excitation is None:
         return 0.0, "no excitation channel"
-    floor, mean = quiet_floor(record.excitation).density, float(np.mean(record.excitation**2))
-    if floor <= FLOOR_RATIO * mean:
-        return float(np.sqrt(floor)), "the quietest bands of the excitation channel"
+    mean = float(np.mean(record.excitation**2))
+    floors = {
+        "the quietest bands of the excitation channel": quiet_floor(record.excitation).density,
+        "the quietest moments of the excitation channel": silent_floor(record.excitation).density,
+    }
+    method, floor = min(floors.items(), key=lambda pair: pair[1])
+    if floor <= MOST_BELIEVED**2 * mean:
+        return float(np.sqrt(floor)), method
     if period is not None:
         (density,) = _between_periods(record.excitation[None], period)
         return float(np.sqrt(density)), "what does not repeat in the excitation channel"
@@ -131,6 +136,27 @@ def quiet_floor(channel: FloatArray) -> Floor:
     first, last = max(2, int(0.02 * n)), int(2 * SCORE_EDGE * n)
     return spectral_floor(density[first:last], max(LEAST_WIDTH, n // BANDS), LINES_PER_FREE_ONE)
 
+
+def silent_floor(channel: FloatArray) -> Floor:
+    """Floor of the quietest moments, as between the blows of a hammer, its density as the variance of white noise.
+
+    Args:
+        channel: (N,).
+    """
+    if len(channel) < MIN_MOMENTS * SEGMENT:
+        return Floor(np.inf, 0, 0.0)
+    power = np.abs(_segments(channel)) ** 2
+    lines = power.shape[1]
+    band = power[:, max(2, int(0.02 * lines)) : int(2 * SCORE_EDGE * lines)]
+    free = band.shape[1] / LINES_PER_FREE_ONE_OF_HANN
+    return common_floor(np.median(band, axis=1) / median_over_mean(free), free)
+
+
+MIN_MOMENTS = 4
+"""Segments that a channel must hold for its quiet moments to be told from loud ones."""
+
+LINES_PER_FREE_ONE_OF_HANN = 35.0 / 18.0
+"""Lines of a Hann window that scatter like one free one: N sum(w^4) / sum(w^2)^2."""
 
 BANDS = 20
 """Bands that the spectrum to fs/2 is cut into, where it has lines enough."""
@@ -205,7 +231,7 @@ FACTOR_ITERATIONS = 20
 
 
 def _segments(signals: AnyArray) -> AnyArray:
-    """(n, n_segments, lines) spectra of half-overlapping Hann segments; white noise of variance 1 reads power 1."""
+    """(..., n_segments, lines) spectra of half-overlapping Hann segments; white noise of variance 1 reads power 1."""
     window = get_window("hann", SEGMENT)
-    view = np.lib.stride_tricks.sliding_window_view(signals, SEGMENT, axis=1)[:, :: SEGMENT // 2]
-    return np.asarray(np.fft.rfft(view * window, axis=2) / np.sqrt(np.sum(window**2)))
+    view = np.lib.stride_tricks.sliding_window_view(signals, SEGMENT, axis=-1)[..., :: SEGMENT // 2, :]
+    return np.asarray(np.fft.rfft(view * window, axis=-1) / np.sqrt(np.sum(window**2)))

@@ -15,11 +15,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from identification.evaluate import Evaluator, Target, TimeTarget, carry_noise
+from identification.evaluate import Evaluator, Target, TimeTarget, carry_noise, unwhitened
 from identification.evidence import LEAST_EVIDENCE
 from identification.floor import scatter_of_medians, spectral_floor
 from identification.hypothesis import Hypothesis
-from identification.noise import BANDS, Noise
+from identification.noise import BANDS, LINES_PER_FREE_ONE_OF_HANN, Noise
 from identification.prepare import level
 from models.arrays import ComplexArray, FloatArray
 
@@ -37,9 +37,6 @@ MODEL_ERROR = 2e-4
 
 MOST_HIDDEN = 0.02
 """Noise of a force sensor, as a share of its signal's rms, below which a hidden one must lie to be believed."""
-
-LINES_PER_FREE_ONE = 35.0 / 18.0
-"""Lines of a Hann window that scatter like one free one: N sum(w^4) / sum(w^2)^2."""
 
 
 def noise_left(evaluator: Evaluator, residual: FloatArray) -> list[Noise]:
@@ -88,16 +85,16 @@ def with_noise(
     """
     left = iter(noises)
     evaluator = evaluator.with_targets(
-        [TimeTarget.of(each.record, next(left)) if isinstance(each, TimeTarget) else each for each in evaluator.targets]
+        [each.with_noise(next(left)) if isinstance(each, TimeTarget) else each for each in evaluator.targets]
     )
     return evaluator.with_targets(carry_noise(evaluator, hypothesis, rng))
 
 
 def _spectra(evaluator: Evaluator, residual: FloatArray) -> list[tuple[TimeTarget, ComplexArray]]:
-    """(n, lines) of each time record: what ``whitened`` made, scaled so that white noise reads its variance."""
+    """(n, lines) of what is left in each time record."""
     ends = np.cumsum([target.n_data for target in evaluator.targets])
     return [
-        (target, part.view(complex).reshape(target.measured.shape) * np.sqrt(0.5 * target.density))
+        (target, unwhitened(part, target))
         for target, part in zip(evaluator.targets, np.split(residual, ends[:-1]), strict=True)
         if isinstance(target, TimeTarget)
     ]
@@ -108,7 +105,7 @@ def _lowered(target: TimeTarget, spectrum: ComplexArray) -> Noise:
     hann = (0.5 * spectrum[:, 1:-1] - 0.25 * (spectrum[:, 2:] + spectrum[:, :-2])) / np.sqrt(3.0 / 8.0)
     sensors = target.noise.sensors.copy()
     for k, channel in enumerate(np.abs(hann[:, FIRST_LINE:]) ** 2):
-        floor = spectral_floor(channel, max(LEAST_WIDTH, len(channel) // BANDS), LINES_PER_FREE_ONE)
+        floor = spectral_floor(channel, max(LEAST_WIDTH, len(channel) // BANDS), LINES_PER_FREE_ONE_OF_HANN)
         left = max(np.sqrt(floor.density), MODEL_ERROR * target.record.responses[k].std())
         sure = 1.0 + 0.5 * CLEARLY * scatter_of_medians(floor.lines)
         if floor.lines >= LEAST_LINES and left * sure < sensors[k]:
@@ -133,10 +130,7 @@ def _gains(evaluator: Evaluator, hypothesis: Hypothesis, rng: np.random.Generato
         if target.noise.hidden
     ]
     carried = evaluator.with_targets(carry_noise(evaluator.with_targets(shaken), hypothesis, rng)).timed
-    return {
-        t.record.name: (t.density - TimeTarget.of(t.record, t.noise).density) / trial[t.record.name] ** 2
-        for t in carried
-    }
+    return {t.record.name: (t.density - t.with_noise(t.noise).density) / trial[t.record.name] ** 2 for t in carried}
 
 
 def _uncovered(target: TimeTarget, spectrum: ComplexArray, gain: FloatArray) -> Noise:
@@ -145,7 +139,7 @@ def _uncovered(target: TimeTarget, spectrum: ComplexArray, gain: FloatArray) -> 
     rms = level(target.record)
     most = noise.excitation or MOST_HIDDEN * rms
     trials = np.array([noise.excitation, *(most * np.geomspace(LEAST_HIDDEN, 1.0, HIDDEN_TRIALS))])
-    sensors, power = TimeTarget.of(target.record, noise).density, np.abs(spectrum) ** 2
+    sensors, power = target.with_noise(noise).density, np.abs(spectrum) ** 2
     densities = (sensors + trial**2 * gain for trial in trials)
     costs = [float(np.sum(np.log(density) + power / density)) for density in densities]
     best = int(np.argmin(costs))

@@ -69,10 +69,20 @@ def added_effects(result: Fit, rounds: Sequence[Sequence[Ranked]]) -> tuple[Adde
 
 
 def candidates_of(ranked: Sequence[Ranked], chances: Sequence[float], evaluator: Evaluator) -> tuple[Candidate, ...]:
-    """What was refitted in a round, with its error on the records it was refitted on."""
+    """What was judged in a round, with its error on the records of the refits.
+
+    What was ruled out by the beginning of the records was not refitted: its error is that of the noise, as many times
+    as the beginning left it.
+    """
     noise = float(np.sqrt(np.mean([target.nrmse_of_noise**2 for target in evaluator.targets])))
     return tuple(
-        Candidate(r.effect, chance, r.fit.ratio * noise, r.log_evidence - ranked[0].log_evidence, r.refitted)
+        Candidate(
+            r.effect,
+            chance,
+            evaluator.nrmse_of(r.fit.residual) if r.refitted else r.fit.ratio * noise,
+            r.log_evidence - ranked[0].log_evidence,
+            r.refitted,
+        )
         for r, chance in zip(ranked, chances, strict=False)
     )
 

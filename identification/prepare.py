@@ -6,7 +6,7 @@ from math import pi
 
 import numpy as np
 
-from identification.evaluate import Evaluator, Target, TimeTarget, carry_noise, scored_spectrum, whitened
+from identification.evaluate import Evaluator, Target, TimeTarget, carry_noise, whitened
 from identification.hypothesis import Hypothesis, OffsetUnknown, StartUnknown, Unknown
 from identification.noise import estimate_noise
 from identification.rest_target import FrfTarget, ModesTarget
@@ -103,7 +103,7 @@ def resolved(evaluator: Evaluator, hypothesis: Hypothesis) -> Evaluator:
         finer = Settings(evaluator.settings.n_modes, 2 * steps)
         error = 0.0
         for target, one, other in zip(evaluator.timed, coarse, evaluator.responses(hypothesis, finer), strict=True):
-            change = whitened(scored_spectrum(one.channels - other.channels), target)
+            change = whitened(target.spectrum(one.channels - other.channels), target)
             error = max(error, float(np.sqrt(np.mean(change**2))))
         if error * COARSE_SHARE < RESOLVED:
             return evaluator
@@ -132,7 +132,7 @@ class Horizon:
 
 def horizons(evaluator: Evaluator, hypothesis: Hypothesis) -> list[Horizon]:
     """Divergence of neighbouring motions in every time record, by simulating it twice."""
-    disturbed = [replace(t, record=_disturbed(t.record)) for t in evaluator.timed]
+    disturbed = [replace(t, driven=_disturbed(t.driven)) for t in evaluator.timed]
     rows = zip(
         evaluator.timed,
         evaluator.responses(hypothesis),

@@ -75,6 +75,11 @@ class FrfTarget:
         """NRMSE that the noise alone leaves."""
         return float(np.sqrt(2.0 * np.sum(self.noise**2) / np.sum(np.abs(self.record.values) ** 2)))
 
+    def nrmse_left(self, residual: FloatArray) -> float:
+        """NRMSE of a residual, (n_data,) in units of the noise."""
+        error = np.sum(np.abs(residual.view(complex).reshape(self.noise.shape) * self.noise) ** 2)
+        return float(np.sqrt(error / np.sum(np.abs(self.record.values) ** 2)))
+
     @property
     def frequency(self) -> FloatArray:
         """(n,) lines, Hz."""
@@ -170,6 +175,10 @@ class ModesTarget:
         n_parts = self.record.shapes.shape[1] * (2 if self._is_complex else 1)
         share = self.size[:, 0] ** 2 / np.sum(np.abs(self.record.shapes) ** 2, axis=1)
         return float(np.sqrt(FREQ_STD**2 + SHAPE_STD**2 * n_parts * np.mean(share)))
+
+    def nrmse_left(self, residual: FloatArray) -> float:
+        """Error of a residual, (n_data,) in units of the noise, as many times that of the noise."""
+        return self.nrmse_of_noise * float(np.sqrt(np.mean(residual**2)))
 
     @property
     def frequency(self) -> FloatArray:

@@ -1,7 +1,7 @@
 """What the model says about the motion at every place where an effect could sit."""
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -9,6 +9,7 @@ from identification.evaluate import Evaluator
 from identification.hypothesis import Hypothesis
 from identification.rest_target import FrfTarget, ModesTarget
 from models.arrays import FloatArray
+from models.drive import drive_of
 from models.effects.protocol import Effect, Place, Scene
 from models.linear import frf, linearised
 from models.modal import ModalModel, build_modal
@@ -38,7 +39,9 @@ def places_of(kind: type[Effect], rig: Rig) -> list[Place]:
 
 
 def places_near(kind: type[Effect], rig: Rig, position: float) -> list[Place]:
-    """Where an effect of this kind could sit at a position along the beam, m: there, or at a sleeve that is close."""
+    """Where an effect of this kind could sit at a position along the beam, m, at a sleeve close by, or all over."""
+    if not kind.places:
+        return [Place()]
     places = [Place(position=position)] if "position" in kind.places else []
     if "sleeve" in kind.places and isinstance(rig.structure, Beam):
         close = NEAR * rig.structure.length
@@ -66,20 +69,24 @@ def scenes(evaluator: Evaluator, hypothesis: Hypothesis, places: Collection[Plac
     watched = replace(plant, sensors=tuple(_probes(positions)), effects=())
     if not evaluator.timed:
         return _scenes_at_rest(evaluator.at_rest, watched, places, positions)
-    size: dict[float | None, tuple[float, float, float]] = dict.fromkeys(positions, (TINY, TINY, 0.0))
+    size = dict.fromkeys(positions, Size())
     force = 0.0
     for target in evaluator.timed:
-        record = replace(target.record, sensors=tuple(sensor.name for sensor in watched.sensors))
+        record = replace(hypothesis.at_zero(target.record), sensors=tuple(sensor.name for sensor in watched.sensors))
         response = simulate(watched, record, evaluator.settings, hypothesis.starts.get(record.name))
-        moved, speed = response.channels[0::2], response.channels[1::2]
+        seen = drive_of(record, watched, 1, {}).seen
+        base = np.zeros((2, 1)) if seen is None else seen[:2]  # the probes read absolute motion
+        moved, speed = response.channels[0::2] - base[0], response.channels[1::2] - base[1]
         for i, position in enumerate(positions):
-            old = size[position]
-            size[position] = (
-                max(old[0], float(np.ptp(moved[i])) / 2),
-                max(old[1], float(np.sqrt(np.mean(speed[i] ** 2)))),
-                max(old[2], _penetration(response, position, moved[i])),
+            size[position] = size[position].grown(
+                Size(
+                    displacement=float(np.ptp(moved[i])) / 2,
+                    velocity=_rms(speed[i]),
+                    ground_velocity=_rms(response.channels[2 * i + 1]),
+                    penetration=_penetration(response, position, moved[i]),
+                )
             )
-        force = max(force, _force(target.record, response, speed))
+        force = max(force, _force(target.record, response, response.channels[1::2]))
     rest = _at_rest(response.model, positions)
     duration = max(target.record.duration for target in evaluator.timed)
     return {
@@ -113,7 +120,8 @@ def _scenes_at_rest(
     for place in places:
         i = positions.index(place.position)
         deepest = max(0.0, depth[place.position] + largest[i]) if place.position in depth else 0.0
-        size = max(TINY, float(largest[i])), max(TINY, float(speed[i])), float(deepest)
+        moves = float(speed[i])
+        size = Size().grown(Size(float(largest[i]), moves, moves, float(deepest)))
         found[place] = _scene(place, watched, size, force, rest[place.position], duration)
     return found
 
@@ -142,6 +150,24 @@ TINY = 1e-9
 """Motion assumed at least, m and m/s, so that trial values stay finite at a place that does not move."""
 
 
+@dataclass(frozen=True)
+class Size:
+    """How large the motion at a place is, over all records; see ``Scene``."""
+
+    displacement: float = TINY
+    velocity: float = TINY
+    ground_velocity: float = TINY
+    penetration: float = 0.0
+
+    def grown(self, other: "Size") -> "Size":
+        """The larger of both in everything."""
+        return Size(*(max(one, more) for one, more in zip(vars(self).values(), vars(other).values(), strict=True)))
+
+
+def _rms(signal: FloatArray) -> float:
+    return float(np.sqrt(np.mean(signal**2)))
+
+
 def _probes(positions: Sequence[float | None]) -> Iterator[Sensor]:
     for position in positions:
         for quantity in ("displacement", "velocity"):
@@ -167,17 +193,16 @@ def _force(record: Record, response: Response, speed: FloatArray) -> float:
     return float(_carried(response.model) * np.sqrt(np.mean(acceleration**2)))
 
 
-def _scene(
-    place: Place, plant: Plant, size: tuple[float, float, float], force: float, rest: float, duration: float
-) -> Scene:
+def _scene(place: Place, plant: Plant, size: Size, force: float, rest: float, duration: float) -> Scene:
     return Scene(
         place=place,
         contact=next((c for c in plant.contacts if c.sleeve == place.sleeve), None),
         structure=plant.structure,
-        displacement=size[0],
-        velocity=size[1],
+        displacement=size.displacement,
+        velocity=size.velocity,
+        ground_velocity=size.ground_velocity,
         force=force,
-        penetration=size[2],
+        penetration=size.penetration,
         duration=duration,
         driven_base=plant.excitation is not None and plant.excitation.quantity != "force",
         rest=rest,

@@ -98,17 +98,23 @@ class Session:
         if best is found:
             return chain, rounds
         self.decide("all models fitted and weighed again on the lower noise")
-        again = [
-            [_with_fit(row, best if row is first else self._again(row.fit)) for row in ranked if row.refitted]
-            for ranked in rounds
-        ]
-        return [self._again(result) for result in chain], [
-            reweighed(old, new) for old, new in zip(rounds, again, strict=True)
-        ]
+        rows = [[row for row in ranked if row.refitted] for ranked in rounds]
+        fits = [self.again([row.fit for row in ranked if row is not first]) for ranked in rows]
+        if first is not None:
+            fits[-1] = [best, *fits[-1]]
+        again = [[_with_fit(*pair) for pair in zip(*both, strict=True)] for both in zip(rows, fits, strict=True)]
+        return self.again(chain), [reweighed(old, new) for old, new in zip(rounds, again, strict=True)]
 
-    def _again(self, result: Fit) -> Fit:
-        unknowns, tolerance = result.unknowns, REWEIGHING_TOLERANCE
-        return fit(self.fitting, result.hypothesis, unknowns, max_iterations=4, tolerance=tolerance)
+    def again(self, results: list[Fit]) -> list[Fit]:
+        """The fits again on the noise as it is now.
+
+        Args:
+            results: each at its minimum under another noise.
+        """
+        return [
+            fit(self.fitting, result.hypothesis, result.unknowns, max_iterations=4, tolerance=REWEIGHING_TOLERANCE)
+            for result in results
+        ]
 
 
 def _with_fit(row: Ranked, result: Fit) -> Ranked:

@@ -14,10 +14,12 @@ from identification.evidence import log_occam
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, Unknown, own_unknowns
 from identification.progress import silent
+from identification.scene import NEAR
 from identification.screen import Projection, promising, survey
 from models.arrays import FloatArray
 from models.effects import Effect, Registry
-from models.rig import Beam
+from models.effects.protocol import Place
+from models.rig import Beam, Rig
 
 Heat = tuple[float, float, int]
 
@@ -84,6 +86,11 @@ def heats(
     return sketches
 
 
+def afresh(model: Hypothesis) -> Hypothesis:
+    """Where suspects are tried from: the numbers as given, unless an effect was found with the calibrated ones."""
+    return model if model.effects else replace(model, values={})
+
+
 def rivals(evaluator: Evaluator, base: Fit, sketches: Sequence[Sketch], registry: Registry) -> list[Hypothesis]:
     """Other kinds where the best effect sits, seen from the numbers of the rig that were fitted along with it.
 
@@ -101,11 +108,21 @@ def rivals(evaluator: Evaluator, base: Fit, sketches: Sequence[Sketch], registry
         return []
     best = sketches[0].fit.hypothesis
     bare = replace(best, effects=best.effects[:-1])
-    seen = {s.effect.kind for s in sketches if s.fit.ratio < ALIKE * sketches[0].fit.ratio}
-    others = {name: kind for name, kind in registry.items() if name not in seen and kind.places}
-    there = fit(evaluator, bare, concerning(base, evaluator), max_iterations=0)
+    close = (s for s in sketches if s.fit.ratio < ALIKE * sketches[0].fit.ratio)
+    seen = {s.effect.kind for s in close if _reaches(s.effect, position, best.rig)}
+    there = _tried(evaluator, bare, concerning(base, evaluator), 0)
+    if there is None:
+        return []
+    others = {name: kind for name, kind in registry.items() if name not in seen}
     found = promising(survey(evaluator, there, others, silent, position), 1)
     return [bare.with_effects(suspect.effect) for suspect in found]
+
+
+def _reaches(effect: Effect, position: float, rig: Rig) -> bool:
+    """It acts near a position along the beam, m, or everywhere."""
+    if effect.place.position is None or not isinstance(rig.structure, Beam):
+        return True
+    return abs(effect.place.position - position) < NEAR * rig.structure.length
 
 
 ALIKE = 1.5
@@ -131,10 +148,22 @@ def _same_place(one: Sketch, other: Sketch) -> bool:
     effect, rival = one.effect, other.effect
     if effect.kind != rival.kind or any(getattr(effect, key) != getattr(rival, key) for key in effect.options):
         return False
-    structure, here, there = one.fit.hypothesis.rig.structure, effect.place.position, rival.place.position
-    if here is None or there is None or effect.place.sleeve != rival.place.sleeve or not isinstance(structure, Beam):
-        return effect.place == rival.place
-    return abs(here - there) < SAME_PLACE * structure.length
+    return is_same_place(effect.place, rival.place, one.fit.hypothesis.rig)
+
+
+def is_same_place(here: Place, there: Place, rig: Rig) -> bool:
+    """Places closer together than a fit tells; a sleeve and its position are one.
+
+    Args:
+        here: a place.
+        there: another.
+        rig: whose length counts.
+    """
+    if here.position is None or there.position is None or not isinstance(rig.structure, Beam):
+        return here == there
+    if here.sleeve is not None and there.sleeve is not None:
+        return here.sleeve == there.sleeve
+    return abs(here.position - there.position) < SAME_PLACE * rig.structure.length
 
 
 SAME_PLACE = 0.02
@@ -207,7 +236,7 @@ def sketched_from_calibrated(
         grown: try that second start too.
     """
     projection = Projection(there)
-    given = replace(there.hypothesis, values={})
+    given = afresh(there.hypothesis)
     windows = [beginning(evaluator, share, seconds) for share, seconds, _ in HEATS] if grown else []
     bare = [fit(window, given, concerning(there, window), max_iterations=0) for window in windows]
     sketches = []

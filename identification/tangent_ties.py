@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import isclose, log
 
-from identification.evidence import Ranked
+from identification.evidence import Ranked, misfit_in_common
 from identification.hypothesis import Hypothesis
 from identification.outcome import TELLABLE
 from models.ports import PointLaw
@@ -27,8 +27,7 @@ def tied(ranked: Sequence[Ranked]) -> list[Ranked]:
     """
     if not ranked:
         return []
-    least = min(row.fit.cost for row in ranked)
-    scale = max(1.0, min(row.fit.ratio for row in ranked) ** 2)
+    least, scale = min(row.fit.cost for row in ranked if row.refitted), misfit_in_common(ranked)
     alike = [row for row in ranked if row.refitted and row.fit.cost - least < 2.0 * scale * log(1.0 / TELLABLE)]
     best = ranked[0].log_evidence
     level = [

@@ -28,11 +28,13 @@ class CoulombFriction(Effect):
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:
         """3 and 30 % of the excitation, slipping from 2 and 30 % of the rms speed; the ground where the base moves."""
-        frames: tuple[Frame, ...] = ("base", "ground") if scene.driven_base else ("base",)
-        for against in frames:
+        frames: dict[Frame, float] = {"base": scene.velocity}
+        if scene.driven_base:
+            frames["ground"] = scene.ground_velocity
+        for against, speed in frames.items():
             for share in (0.03, 0.3):
                 for slip in (0.02, 0.3):
-                    yield cls(scene.place, share * scene.force, slip * scene.velocity, against)
+                    yield cls(scene.place, share * scene.force, slip * speed, against)
 
     @staticmethod
     def force(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004

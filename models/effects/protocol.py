@@ -101,12 +101,13 @@ class Scene:
         contact: the sleeve's contact, or None where the place is no sleeve.
         structure: the linear structure.
         displacement: largest |q - mean| at the place, m.
-        velocity: rms of v at the place, m/s.
+        velocity: rms of v at the place, relative to the base, m/s.
         force: rms of the excitation as a force, N (for a driven base, modal mass times acceleration).
         penetration: largest penetration at the sleeve, m; 0 where there is none.
         duration: of the longest record, s.
         driven_base: whether the base moves, so that ``against = "ground"`` is another effect than ``"base"``.
         rest: displacement at rest, gravity's sag included, m.
+        ground_velocity: rms of the absolute velocity, m/s, where the base is driven.
     """
 
     place: Place
@@ -119,6 +120,7 @@ class Scene:
     duration: float
     driven_base: bool
     rest: float = 0.0
+    ground_velocity: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ import pytest
 from trial_records import FS, REFERENCE, evaluator_of, measured, moved, multisine, oscillator, sweep
 
 from identification.calibrate import beginning, calibrate, strained, unknowns_of
+from identification.evaluate import AHEAD
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, OffsetUnknown, RigUnknown, StartUnknown, rig_unknowns
 from identification.prepare import MIN_SAMPLES
@@ -32,7 +33,7 @@ def test_a_beginning_holds_its_share_of_the_energy_and_its_seconds():
     assert hurries.n_samples >= round(0.3 * FS)
     assert hurries.n_samples < 0.6 * waits.n_samples
     assert beginning(evaluator_of(*pairs), 0.0, 0.0).targets[0].record.n_samples == MIN_SAMPLES
-    assert beginning(evaluator_of(*pairs), 1.0, 60.0).targets[0].record.n_samples == 2048
+    assert beginning(evaluator_of(*pairs), 1.0, 60.0).targets[0].record.n_samples == 2048 - AHEAD
 
 
 def test_short_windows_first_bring_back_a_phase_that_ran_away():

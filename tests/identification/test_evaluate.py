@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from trial_records import FS, REFERENCE, evaluator_of, measured, moved, multisine, oscillator, sweep
 
-from identification.evaluate import Evaluator, TimeTarget, carry_noise, nrmse, scored_spectrum
+from identification.evaluate import AHEAD, Evaluator, TimeTarget, carry_noise, nrmse, scored_spectrum
 from identification.hypothesis import Hypothesis
 from identification.noise import Noise
 from models.band_limit import SCORE_EDGE
@@ -70,9 +70,21 @@ def test_a_cut_keeps_the_beginning_and_its_noise():
     np.testing.assert_array_equal(short.record.excitation, target.record.excitation[:500])
     np.testing.assert_array_equal(short.measured, scored_spectrum(target.record.responses[:, :500]))
     assert np.all(short.density == target.density[0, 0])
-    assert target.cut(2048) is target
+    np.testing.assert_array_equal(short.driven.excitation, target.record.excitation[: 500 + AHEAD])
+    assert short.cut(500) is short
+    assert target.cut(2048).record.n_samples == 2048 - AHEAD
     decay = replace(target.record, excitation=None)
     assert TimeTarget.of(decay, target.noise).cut(500).record.excitation is None
+
+
+@pytest.mark.parametrize("seconds", [0.2, 1.0, 4.0])
+def test_the_truth_leaves_the_noise_alone_in_however_short_a_part(seconds):
+    truth = Hypothesis(REFERENCE)
+    evaluator = evaluator_of(measured(truth, multisine(8192, 4), noise=5e-4))
+
+    (residual,) = evaluator.with_targets([evaluator.timed[0].cut(round(seconds * FS))]).residuals([(truth, None)])
+
+    assert np.sqrt(np.mean(residual**2)) == pytest.approx(1.0, abs=0.03)
 
 
 def test_a_cut_keeps_a_density_where_it_was_in_frequency():

@@ -7,8 +7,18 @@ import pytest
 from trial_records import REFERENCE, evaluator_of, measured, moved, multisine, oscillator, sweep
 
 from identification.fit import fit
-from identification.hypothesis import Hypothesis, OffsetUnknown, RigUnknown, StartUnknown, Unknown, rig_unknowns
+from identification.hypothesis import (
+    Hypothesis,
+    OffsetUnknown,
+    RigUnknown,
+    StartUnknown,
+    Unknown,
+    effect_unknowns,
+    rig_unknowns,
+)
 from identification.prepare import start_unknowns
+from models.effects import Place
+from models.effects.youngs_modulus import YoungsModulus
 
 
 @dataclass(frozen=True)
@@ -180,3 +190,25 @@ def test_the_rest_reading_of_a_channel_is_found():
     error = found.hypothesis.offsets["test"] - 0.8
     assert abs(error) < 4.0 * found.std()[offset] * unknowns[offset].scale
     assert not any(isinstance(u, RigUnknown) for u in unknowns)
+
+
+def test_two_names_for_one_number_are_known_no_better_than_their_tolerance():
+    truth = Hypothesis(REFERENCE, effects=(YoungsModulus(Place(), ratio=0.95),))
+    evaluator = evaluator_of(measured(truth, multisine(2048, rms=5.0)))
+    unknowns = (*rig_unknowns(REFERENCE), *effect_unknowns(truth))
+
+    found = fit(evaluator, truth, unknowns, max_iterations=3)
+
+    tolerance = REFERENCE.tolerances["youngs_modulus"]
+    std = float(found.std()[-1]) * YoungsModulus.parameters()["ratio"].spread  # its coordinate is a logarithm
+    assert 0.8 * tolerance < std < 1.3 * tolerance
+
+
+def test_what_the_data_do_not_tell_is_not_known():
+    unknowns = [Number(name) for name in NAMES]
+    silent = MATRIX * np.array([1.0, 1.0, 0.0])
+
+    found = fit(Linear(silent, RIGHT, unknowns), NOWHERE, unknowns, max_iterations=2)
+
+    assert found.std()[2] > 100.0
+    assert max(found.std()[:2]) < 1.0

@@ -10,6 +10,7 @@ from trial_records import FS, REFERENCE, measured, multisine, oscillator, sweep
 from identification.hypothesis import Hypothesis
 from identification.noise import estimate_noise, quiet_floor, unshared_density
 from models.band_limit import recorder_gain
+from testbed.virtual.excitations import half_sine_hammer
 
 WITHIN = 0.15
 """Two to three standard deviations of the median of 33 to 100 free lines, in units of the noise."""
@@ -111,3 +112,22 @@ def test_an_excitation_that_fills_the_band_and_repeats_shows_its_noise():
 
     assert found.excitation == pytest.approx(truth.excitation, rel=WITHIN)
     assert not found.hidden
+
+
+@pytest.mark.parametrize("starts", [(0.05,), (1.0,), (0.5, 2.5, 4.5, 6.5)])
+def test_between_the_blows_of_a_hammer_its_noise_is_heard(starts):
+    blows = sum(half_sine_hammer(FS, 16384, start, 0.002, 200.0) for start in starts)
+    heard = np.random.default_rng(4).standard_normal(len(blows)) * 0.005 * blows.std()
+    record, _ = measured(Hypothesis(oscillator()), blows)
+
+    found = estimate_noise(replace(record, excitation=blows + heard))
+
+    assert found.excitation == pytest.approx(heard.std(), rel=WITHIN)
+    assert not found.hidden
+
+
+def test_a_steady_excitation_is_never_silent():
+    force = low_passed(np.random.default_rng(5).standard_normal((1, 8192)))[0]
+    record, _ = measured(Hypothesis(oscillator()), force)
+
+    assert estimate_noise(record).hidden

@@ -1,11 +1,12 @@
 """What a person reads: numbers in their units, groups that cannot be told apart, and the next experiment."""
 
-from types import SimpleNamespace
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from trial_records import REFERENCE, oscillator
+from trial_records import REFERENCE, evaluator_of, measured, multisine, oscillator
 
+from identification.evaluate import nrmse, scored_spectrum, whitened
 from identification.fit import Fit
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
 from identification.judge import Ranked
@@ -103,13 +104,20 @@ def test_an_added_effect_has_the_probability_of_its_own_round():
 
 
 def test_candidates_stand_beside_the_best_with_errors_of_the_records():
-    evaluator = SimpleNamespace(targets=[SimpleNamespace(nrmse_of_noise=x) for x in (0.03, 0.04)])
+    record, noise = measured(Hypothesis(REFERENCE), multisine(512))
+    evaluator = evaluator_of((record, noise))
+    target, rng = evaluator.timed[0], np.random.default_rng(2)
+    left = 0.1 * record.responses.std(axis=1, keepdims=True) * rng.standard_normal(record.responses.shape)
+    residual = whitened(scored_spectrum(left), target)
+    fitted, ruled_out = ranked(MASS, -50.0), replace(ranked(GAIN, -53.0, ratio=2.0), refitted=False)
+    fitted = replace(fitted, fit=replace(fitted.fit, residual=residual))
 
-    best, other = candidates_of([ranked(MASS, -50.0), ranked(GAIN, -53.0, ratio=2.0)], [0.9, 0.05, 0.05], evaluator)
+    best, other = candidates_of([fitted, ruled_out], [0.9, 0.05, 0.05], evaluator)
 
     assert (best.log_evidence, other.log_evidence) == (0.0, -3.0)
-    assert other.nrmse == pytest.approx(2.0 * np.sqrt((0.03**2 + 0.04**2) / 2))
-    assert (best.probability, best.effect, other.refitted) == (0.9, MASS, True)
+    assert best.nrmse == pytest.approx(nrmse(scored_spectrum(left), target.measured))
+    assert other.nrmse == pytest.approx(2.0 * target.nrmse_of_noise)
+    assert (best.probability, best.effect, other.refitted) == (0.9, MASS, False)
 
 
 def test_what_cannot_be_excluded_stands_in_one_group():

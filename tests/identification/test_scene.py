@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 from rest_records import LINES, frfs_of, modes_of
-from trial_records import REFERENCE, oscillator
+from trial_records import FS, REFERENCE, evaluator_of, measured, oscillator
 
 from identification.evaluate import Evaluator
 from identification.hypothesis import Hypothesis
 from identification.rest_target import FrfTarget, ModesTarget
 from identification.scene import CREST, scenes
 from models.effects import Place
+from models.rig import Excitation
 
 
 def test_a_mass_moves_as_its_receptance_says():
@@ -36,3 +37,29 @@ def test_modes_of_a_rig_without_excitation_are_shaken_at_the_free_end():
     assert found[end].displacement > found[sleeve].displacement > 0.0
     assert found[sleeve].contact is not None
     assert not found[sleeve].driven_base
+
+
+def test_on_a_driven_base_a_law_sees_relative_motion_and_the_ground_the_absolute():
+    rig = oscillator().model_copy(update={"excitation": Excitation(quantity="base_displacement")})
+    slow = 0.01 * np.sin(2.0 * np.pi * 2.0 * np.arange(4096) / FS) * np.minimum(1.0, np.arange(4096) / 2048)
+    evaluator = evaluator_of(measured(Hypothesis(rig), slow))
+
+    scene = scenes(evaluator, Hypothesis(rig), [Place()])[Place()]
+
+    # A 60 Hz oscillator on a base that moves at 2 Hz lags behind it by (2 / 60)^2 of the base's motion.
+    assert scene.displacement == pytest.approx(0.01 * (2.0 / 60.0) ** 2, rel=0.15)
+    assert scene.ground_velocity == pytest.approx(np.sqrt(np.mean(np.gradient(slow) ** 2)) * FS, rel=0.02)
+    assert scene.velocity < 0.01 * scene.ground_velocity
+    assert scene.driven_base
+
+
+def test_on_a_driven_base_a_beam_presses_into_its_sleeves_relative_to_them():
+    excitation = REFERENCE.excitation.model_copy(update={"quantity": "base_displacement", "position": None})
+    rig = REFERENCE.model_copy(update={"excitation": excitation})
+    slow = 0.01 * np.sin(2.0 * np.pi * 2.0 * np.arange(2048) / FS) * np.minimum(1.0, np.arange(2048) / 1024)
+    sleeve = Place(sleeve="sleeve 2", position=1.0)
+
+    scene = scenes(evaluator_of(measured(Hypothesis(rig), slow)), Hypothesis(rig), [sleeve])[sleeve]
+
+    assert 0.0 < scene.penetration < 1e-3
+    assert scene.displacement < 1e-3

@@ -50,10 +50,12 @@ def test_of_what_fits_alike_the_linear_is_first_and_none_more_probable():
     found = tied(rows)
 
     assert [(row.effect, row.log_evidence) for row in found] == [(DASHPOT, 0.0), (FILM, 0.0), (MASS, -260.0)]
+    quick = ranked(MASS, 400.0, -260.0, refitted=False)
+    assert [row.effect for row in tied([*rows[:2], quick])] == [DASHPOT, FILM, MASS]
 
 
 def test_what_fits_worse_or_was_not_refitted_is_no_tie():
-    rows = [ranked(FILM, 1000.0, 0.0), ranked(DASHPOT, 1050.0, -30.0), ranked(MASS, 1001.0, -1.0, refitted=False)]
+    rows = [ranked(FILM, 1000.0, 0.0), ranked(DASHPOT, 1050.0, -30.0), ranked(MASS, 400.0, -1.0, refitted=False)]
 
     assert [(row.effect, row.log_evidence) for row in tied(rows)] == [(r.effect, r.log_evidence) for r in rows]
     assert tied([]) == []

@@ -1,0 +1,67 @@
+"""The last fit's numbers lie as far from the truth as its intervals say, whatever the noise and the steps were."""
+
+from dataclasses import replace
+
+import numpy as np
+from trial_records import REFERENCE, evaluator_of, measured, moved, multisine, oscillator, sweep
+
+from identification.fit import fit
+from identification.hypothesis import Hypothesis, coordinates, rig_unknowns
+from identification.intervals import corrected
+from identification.prepare import prepare
+from models.simulate import Settings
+
+
+def pulls(found, truth):
+    """Distance of each number from the truth, in standard deviations."""
+    far = coordinates(found.hypothesis, found.unknowns) - coordinates(truth, found.unknowns)
+    return far / found.std()
+
+
+def test_intervals_hold_the_truth_where_the_force_is_noisy():
+    truth, unknowns = Hypothesis(REFERENCE), rig_unknowns(REFERENCE)
+    records = [
+        measured(truth, multisine(4096, rms=rms), noise=5e-4, force_noise=0.01, seed=seed, name=f"{rms:g} N")[0]
+        for seed, rms in enumerate((5.0, 10.0))
+    ]
+    evaluator = prepare(truth, records, 1, np.random.default_rng(0))
+    plain = fit(evaluator, truth, unknowns, max_iterations=4)
+
+    found = corrected(evaluator, plain, np.random.default_rng(1))
+
+    assert np.sqrt(np.mean(pulls(found, truth) ** 2)) < 1.7
+    assert np.sqrt(np.mean(pulls(plain, truth) ** 2)) > np.sqrt(np.mean(pulls(found, truth) ** 2))
+    assert np.all(found.std() > 0.9 * plain.std())
+
+
+def test_coarse_steps_leave_no_trace_in_the_numbers():
+    truth = moved(oscillator(), 0.5, -0.5, 0.5)
+    record, noise = measured(truth, sweep(4096, high=600.0), noise=2e-5, settings=Settings(steps_per_sample=32))
+    coarse = evaluator_of((record, noise), settings=Settings(steps_per_sample=1))
+    plain = fit(coarse, truth, rig_unknowns(truth.rig), tolerance=0.0)
+
+    found = corrected(coarse, plain, np.random.default_rng(0))
+
+    assert np.abs(pulls(plain, truth)).max() > 5.0
+    assert np.abs(pulls(found, truth)).max() < 4.0
+
+
+def test_without_noise_of_the_excitation_the_covariance_is_the_fits():
+    truth = Hypothesis(oscillator())
+    evaluator = evaluator_of(measured(truth, sweep(1024)))
+    plain = fit(evaluator, truth, rig_unknowns(truth.rig))
+
+    found = corrected(evaluator, plain, np.random.default_rng(0))
+
+    np.testing.assert_array_equal(found.covariance, plain.covariance)
+
+
+def test_a_correction_that_is_none_is_not_made():
+    truth = Hypothesis(oscillator())
+    evaluator = evaluator_of(measured(truth, sweep(1024)))
+    plain = fit(evaluator, truth, rig_unknowns(truth.rig))
+    wild = replace(plain, covariance=1e9 * plain.covariance)
+
+    found = corrected(evaluator, wild, np.random.default_rng(0))
+
+    assert found.hypothesis is plain.hypothesis
