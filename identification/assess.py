@@ -6,7 +6,9 @@ import numpy as np
 
 from identification.calibrate import calibrate, unknowns_of
 from identification.evaluate import Evaluator, nrmse
+from identification.fit import Fit
 from identification.hypothesis import Hypothesis, effect_unknowns
+from identification.intervals import corrected
 from identification.prepare import prepare, start_unknowns
 from identification.result import RecordScore, Score
 from models.record import AnyRecord
@@ -53,7 +55,7 @@ def score(evaluator: Evaluator, hypothesis: Hypothesis) -> Score:
     return Score(tuple(rows), tuple(target.score(hypothesis) for target in evaluator.at_rest))
 
 
-def fit_effects(hypothesis: Hypothesis, records: Sequence[AnyRecord], *, jobs: int = 2, seed: int = 0) -> Hypothesis:
+def fit_effects(hypothesis: Hypothesis, records: Sequence[AnyRecord], *, jobs: int = 2, seed: int = 0) -> Fit:
     """Refit the hypothesis's effects together with the rig's toleranced numbers.
 
     Args:
@@ -62,6 +64,7 @@ def fit_effects(hypothesis: Hypothesis, records: Sequence[AnyRecord], *, jobs: i
         jobs: threads.
         seed: of the noise that is carried through the model.
     """
-    evaluator = prepare(hypothesis, records, jobs, np.random.default_rng(seed))
+    rng = np.random.default_rng(seed)
+    evaluator = prepare(hypothesis, records, jobs, rng)
     unknowns = (*unknowns_of(hypothesis, evaluator), *effect_unknowns(hypothesis, places=False))
-    return calibrate(evaluator, hypothesis, unknowns).hypothesis
+    return corrected(evaluator, calibrate(evaluator, hypothesis, unknowns), rng)

@@ -300,7 +300,7 @@ def _result(
         missing_forces=missing_forces(session.everything, calibrated.hypothesis),
         updated_maps=tuple(error_map(record) for record in stages[-1].score.records),
         traces=_traces(session, polished.hypothesis),
-        next_experiment=next_experiment(verdict, first, chances, session.limits),
+        next_experiment=next_experiment(verdict, first, chances, session.limits, kept_aside=bool(holdout)),
         decisions=tuple(session.decisions),
         seconds=perf_counter() - began,
         seed=seed,

@@ -96,7 +96,12 @@ def groups_of(ranked: Sequence[Ranked], chances: Sequence[float]) -> tuple[tuple
 
 
 def next_experiment(
-    verdict: Verdict, ranked: Sequence[Ranked], chances: Sequence[float], limits: Sequence[Horizon]
+    verdict: Verdict,
+    ranked: Sequence[Ranked],
+    chances: Sequence[float],
+    limits: Sequence[Horizon],
+    *,
+    kept_aside: bool = False,
 ) -> dict[str, str | float]:
     """What to measure next to learn most; without the horizon of any time record, how to see a nonlinearity at all."""
     if not limits:
@@ -111,8 +116,13 @@ def next_experiment(
             "do": "measure at two more levels",
             "why": f"{open_kinds[0].label()} and {open_kinds[1].label()} differ in how they grow with amplitude",
         }
+    if kept_aside:
+        return {
+            "do": "repeat at a higher level",
+            "why": "the updated model was seen to predict what was kept aside; where it ends shows only beyond",
+        }
     return {
-        "do": "a hold-out record of another kind (a slow sweep)",
+        "do": "a record that is kept aside (--holdout), of another kind than those fitted",
         "why": "to see whether the updated model predicts it",
     }
 

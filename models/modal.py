@@ -9,6 +9,7 @@ from scipy.linalg import eigh
 
 from models.arrays import FloatArray
 from models.beam.assembly import BeamMatrices, assemble_beam, natural_modes, own_damping, solve_static
+from models.errors import InputError
 from models.plant import Plant
 from models.ports import Port
 from models.rest import RestState, find_rest
@@ -17,6 +18,9 @@ from models.structure import Structure
 MIN_MODES = 10
 """Dynamic modes kept at least: 8 and the static shapes reach 0.02 % on the reference rig, strong dashpots in sleeves
 need two more (docs/theory.md), and the stepper's lanes hold 16 for the price of 11."""
+
+MOST_MODES = 100
+"""Modes kept at most; a rig whose band holds more is not in SI units, or no rig for this model."""
 
 BAND_MARGIN = 1.5
 """Modes are kept up to this many times the upper edge of the recorder's band."""
@@ -125,7 +129,15 @@ def _reduced_beam(structure: Structure, kept: int, loads: tuple[float, ...]) -> 
 def modes_below(structure: Structure, freq: float) -> int:
     """How many modes of the plain beam lie below a frequency, Hz, ``MIN_MODES`` at least."""
     radius = np.sqrt(structure.bending_stiffness / (structure.line_mass * structure.length**4))
-    return max(MIN_MODES, int(np.sqrt(2.0 * np.pi * freq / radius) / np.pi + 0.5))
+    n = int(np.sqrt(2.0 * np.pi * freq / radius) / np.pi + 0.5)
+    if n > MOST_MODES:
+        raise InputError(
+            f"structure: {n} modes of a beam of length = {structure.length:g} m, diameter = {structure.diameter:g} m "
+            f"lie below {freq:.4g} Hz",
+            f"the modal model keeps {MOST_MODES} at most",
+            "see that the rig file is in m, Pa and kg/m^3, or ask for lower frequencies",
+        )
+    return max(MIN_MODES, n)
 
 
 def _ports(plant: Plant) -> tuple[Port, ...]:

@@ -14,6 +14,9 @@ from models.rig import Rig
 from models.rig_edits import edit
 from models.rig_faults import first_fault
 
+RECORDS = {".uff", ".unv", ".csv", ".mat", ".h5", ".hdf5", ".npz"}
+"""Suffixes of records, which are mistaken for rig files now and then."""
+
 
 def read_rig(path: Path | str) -> Rig:
     """The rig that a TOML file describes.
@@ -24,6 +27,12 @@ def read_rig(path: Path | str) -> Rig:
     Raises:
         InputError: the file cannot be read, is not TOML, or describes no rig; it tells the first problem.
     """
+    if Path(path).suffix.lower() in RECORDS:
+        raise InputError(
+            f"{Path(path).name}: a record in the place of the rig",
+            "the rig file (.toml) comes first, then its records",
+            "name the rig file first",
+        )
     return _parse(_read_text(Path(path)), Path(path).name)
 
 

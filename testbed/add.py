@@ -8,6 +8,7 @@ import numpy as np
 
 from identification.assess import fit_effects
 from identification.evaluate import Evaluator
+from identification.fit import Fit
 from identification.hypothesis import Hypothesis
 from identification.prepare import prepare
 from identification.scene import scenes
@@ -25,15 +26,20 @@ class Added:
 
     Attributes:
         before: the rig as given.
-        after: calibrated, with the effect.
+        fit: calibrated, with the effect.
         comparison_before: as given.
         comparison_after: with the effect.
     """
 
     before: Hypothesis
-    after: Hypothesis
+    fit: Fit
     comparison_before: Comparison
     comparison_after: Comparison
+
+    @property
+    def after(self) -> Hypothesis:
+        """Calibrated, with the effect."""
+        return self.fit.hypothesis
 
     @property
     def effect(self) -> Effect:
@@ -55,17 +61,25 @@ def add_effect(rig: Rig, entry: EffectEntry, records: Sequence[Record], *, seed:
         InputError: a kind or place that does not fit the rig.
         DivergenceError: there is no trial value under which the motion stays finite.
     """
-    pattern = _pattern(rig, entry)
+    pattern = pattern_of(rig, entry)
     before = Hypothesis(rig)
     evaluator = prepare(before, records, jobs, np.random.default_rng(seed))
     best = _best(evaluator, before, trials_at(evaluator, before, pattern, entry.settings), pattern)
-    after = fit_effects(before.with_effects(best), records, jobs=jobs, seed=seed)
-    comparisons = [compare(hypothesis, records, seed=seed, jobs=jobs) for hypothesis in (before, after)]
-    return Added(before, after, *comparisons)
+    found = fit_effects(before.with_effects(best), records, jobs=jobs, seed=seed)
+    comparisons = [compare(hypothesis, records, seed=seed, jobs=jobs) for hypothesis in (before, found.hypothesis)]
+    return Added(before, found, *comparisons)
 
 
-def _pattern(rig: Rig, entry: EffectEntry) -> Effect:
-    """The effect with placeholders for its parameters, so that its kind, place and options are checked and resolved."""
+def pattern_of(rig: Rig, entry: EffectEntry) -> Effect:
+    """The effect with placeholders for its parameters, so that its kind, place and options are checked and resolved.
+
+    Args:
+        rig: that is to have it.
+        entry: kind, place and options.
+
+    Raises:
+        InputError: a kind or place that does not fit the rig.
+    """
     kind = EFFECTS.get(entry.kind)
     parameters = kind.parameters() if kind is not None else {}
     values = {name: _placeholder(about) for name, about in parameters.items()}

@@ -6,16 +6,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from identification.outcome import effect_estimates, rig_estimates
 from models.effects import Effect
 from models.errors import InputError
 from models.record import Record
 from models.rig import EffectEntry
-from testbed.add import add_effect
+from models.rig_file import read_rig
+from testbed.add import Added, add_effect, pattern_of
 from testbed.compare_json import Json
 from testbed.compare_run import write_comparison
 from testbed.history import Model, remember
 from testbed.inputs import Inputs
-from testbed.loop import rig_of
+from testbed.loop import estimate_json, identity, rig_of
 from testbed.outputs import staged
 
 
@@ -26,12 +30,48 @@ class AddedByHand:
     Attributes:
         effect: fitted.
         models: as given, then with the effect.
-        comparison: the content of ``compare.json``, of the latter.
+        comparison: the content of ``compare.json``, of the latter, with the numbers of the effect under ``added`` and
+            those of the rig under ``calibrated``.
     """
 
     effect: Effect
     models: tuple[Model, Model]
     comparison: Json
+
+
+def numbers_of(added: Added) -> Json:
+    """The fitted numbers with their standard deviations: the effect's, and those of the rig that moved with it.
+
+    Args:
+        added: finished.
+    """
+    given = {parameter.path: parameter for parameter in added.before.rig.parameters()}
+    effect = effect_estimates(added.fit, len(added.after.effects) - 1)
+    return {
+        "added": {**identity(added.effect), "parameters": {row.name: estimate_json(row) for row in effect}},
+        "calibrated": {
+            row.name: {
+                **estimate_json(row),
+                "given": given[row.name].value,
+                "sigmas": (float(np.max(row.value)) - given[row.name].value) / given[row.name].std,
+            }
+            for row in rig_estimates(added.fit)
+        },
+    }
+
+
+def check_effect(rig_path: Path, kind: str, settings: Mapping[str, Any]) -> None:
+    """Whether a rig can have an effect, before its records are read.
+
+    Args:
+        rig_path: the rig file.
+        kind: of the effect.
+        settings: its place and options.
+
+    Raises:
+        InputError: a rig file with errors, or an effect that does not fit the rig.
+    """
+    pattern_of(read_rig(rig_path), EffectEntry(kind=kind, **settings))
 
 
 def run_add(
@@ -67,6 +107,6 @@ def run_add(
         Model(f"+ {added.effect.label()}", rig, updated.nrmse),
     )
     with staged(out) as stage:
-        content = write_comparison(added.comparison_after, rig, stage)
+        content = write_comparison(added.comparison_after, rig, stage, numbers_of(added))
         remember(out, stage, models, like=inputs.rig_path, command=shlex.join(command))
     return AddedByHand(added.effect, models, content)

@@ -10,8 +10,9 @@ from models.effects import EFFECTS, build_effect
 from models.errors import InputError
 from models.plant import contact_of
 from models.record import FrfRecord, Record
-from models.rig import Rig
+from models.rig import Beam, Rig
 from models.rig_file import read_rig
+from models.structure import Structure
 from testbed.records.formats import read_file
 from testbed.records.read import read_record
 
@@ -32,6 +33,11 @@ class Finding:
     severity: Severity
     text: str
 
+    @property
+    def line(self) -> str:
+        """Severity, path and text, the file's name said once."""
+        return f"{self.severity}: {self.file}: {self.text.removeprefix(f'{Path(self.file).name}: ')}"
+
 
 def check_files(rig_path: Path, records: Sequence[Path], without: Sequence[str] = ()) -> list[Finding]:
     """All findings of all files; one line that a file is fine where there is none.
@@ -48,6 +54,8 @@ def check_files(rig_path: Path, records: Sequence[Path], without: Sequence[str] 
         findings += [Finding(str(rig_path), "error", text) for text in _effect_faults(rig, rig_path)]
     except InputError as error:
         findings.append(Finding(str(rig_path), "error", str(error)))
+    if rig is not None:
+        findings += [Finding(str(rig_path), "finding", text) for text in _rig_doubts(rig)]
     if not findings:
         assert rig is not None
         findings.append(Finding(str(rig_path), "fine", _rig_in_words(rig)))
@@ -74,8 +82,42 @@ def _effect_faults(rig: Rig, path: Path) -> Iterator[str]:
             yield f"{path.name}: {error}"
 
 
+SLENDER = (5.0, 1000.0)
+"""Length over diameter of a beam that is neither a block nor a wire."""
+
+LARGEST_SAG = 0.1
+"""Sag under the beam's own weight without sleeves, as a share of its length, up to which it bends by small angles."""
+
+
+def _rig_doubts(rig: Rig) -> Iterator[str]:
+    """Numbers that hint at another unit."""
+    beam = rig.structure
+    if not isinstance(beam, Beam):
+        return
+    slenderness = beam.length / beam.diameter
+    if not SLENDER[0] <= slenderness <= SLENDER[1]:
+        yield (
+            f"a length of {beam.length:g} m with a diameter of {beam.diameter:g} m; beams are {SLENDER[0]:g} to "
+            f"{SLENDER[1]:g} times as long as thick; are both in m?"
+        )
+        return
+    bare = Structure.of(beam)
+    sag = bare.line_mass * abs(bare.gravity) * bare.length**4 / (8.0 * bare.bending_stiffness)
+    if sag > LARGEST_SAG * beam.length:
+        yield (
+            f"the beam would sag by {sag:.3g} m without its sleeves; the models are for small angles; are length, "
+            "youngs_modulus (Pa) and density (kg/m^3) in SI units?"
+        )
+
+
 def _rig_in_words(rig: Rig) -> str:
-    return f"{rig.structure.kind}; {len(rig.sleeves)} sleeves, {len(rig.sensors)} sensors, {len(rig.effects)} effects"
+    parts = {"sleeve": len(rig.sleeves), "sensor": len(rig.sensors), "effect": len(rig.effects)}
+    return f"{rig.structure.kind}; {', '.join(counted(n, noun) for noun, n in parts.items())}"
+
+
+def counted(n: int, noun: str) -> str:
+    """``1 file``, ``2 files``."""
+    return f"{n} {noun}{'s' * (n != 1)}"
 
 
 def _of_record(path: Path, rig: Rig | None, without: Sequence[str]) -> Iterator[Finding]:
@@ -107,5 +149,5 @@ def _of_record(path: Path, rig: Rig | None, without: Sequence[str]) -> Iterator[
 def _record_in_words(record: object) -> str:
     if isinstance(record, Record):
         start = "moving at its start" if record.moving_start else "from rest"
-        return f"{len(record.sensors)} sensors, {record.duration:.3g} s at {record.fs:g} Hz, {start}"
+        return f"{counted(len(record.sensors), 'sensor')}, {record.duration:.3g} s at {record.fs:g} Hz, {start}"
     return "FRFs" if isinstance(record, FrfRecord) else "mode shapes"

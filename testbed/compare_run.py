@@ -34,18 +34,19 @@ def run_comparison(inputs: Inputs, out: Path, *, seed: int, jobs: int) -> Json:
         return write_comparison(comparison, inputs.rig, stage)
 
 
-def write_comparison(comparison: Comparison, rig: Rig, folder: Path) -> Json:
+def write_comparison(comparison: Comparison, rig: Rig, folder: Path, besides: Json | None = None) -> Json:
     """Write ``compare.json`` and the figures.
 
     Args:
         comparison: finished.
         rig: for the units.
         folder: that exists.
+        besides: further content of ``compare.json``.
 
     Returns:
         the content of ``compare.json``.
     """
-    content = comparison_json(comparison)
+    content = {**comparison_json(comparison), **(besides or {})}
     (folder / COMPARISON).write_text(json_text(content), encoding="utf-8")
     save_comparison(comparison, rig, folder / FIGURES)
     return content

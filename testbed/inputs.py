@@ -63,6 +63,15 @@ def read_inputs(
     """
     rig = read_rig(rig_path)
     check_names([*records, *holdout])
+    digests = {path: sha256(path) for path in (*records, *holdout) if path.is_file()}
+    for path in holdout:
+        copies = [record.name for record in records if digests.get(record, "") == digests.get(path)]
+        if copies:
+            raise InputError(
+                f"--holdout {path.name}: the same bytes as {copies[0]}",
+                "a record kept aside is another test than those that are learnt from",
+                "keep another record aside, or leave this one out",
+            )
     return Inputs(
         rig_path,
         rig,

@@ -97,11 +97,16 @@ def _added(added: AddedEffect) -> Json:
         name: {"value": getattr(added.effect, name), "std": None, "unit": about.unit}
         for name, about in added.effect.parameters().items()
     }
-    fitted = {estimate.name: _estimate(estimate) for estimate in added.estimates}
+    fitted = {estimate.name: estimate_json(estimate) for estimate in added.estimates}
     return {**identity(added.effect), "probability": added.probability, "parameters": {**fixed, **fitted}}
 
 
-def _estimate(estimate: Estimate) -> Json:
+def estimate_json(estimate: Estimate) -> Json:
+    """A fitted number with its standard deviation and unit.
+
+    Args:
+        estimate: of an effect or of the rig.
+    """
     return {"value": estimate.value, "std": estimate.std, "unit": estimate.unit}
 
 

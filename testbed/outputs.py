@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import shutil
 import tempfile
 from collections.abc import Iterator, Mapping
@@ -15,6 +16,30 @@ from models.errors import InputError
 
 LAST = "run.json"
 """Moved into place after all others: whoever finds it finds a finished run."""
+
+
+def check_open(out: Path) -> None:
+    """Whether a folder of results can be made or written, before it is.
+
+    Args:
+        out: the folder of the results.
+
+    Raises:
+        InputError: it is a file, lies in one, or is closed for writing.
+    """
+    there = next(path for path in (out, *out.absolute().parents) if path.exists())
+    if not there.is_dir():
+        raise _closed(out, f"{there} is a file")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise _closed(out, f"{there} is closed for writing")
+
+
+def _closed(out: Path, reason: str) -> InputError:
+    return InputError(
+        f"--out {out}: {reason}",
+        "results go into a folder that is open for writing",
+        "name another folder with --out",
+    )
 
 
 @contextmanager
@@ -31,11 +56,7 @@ def staged(out: Path) -> Iterator[Path]:
         out.mkdir(parents=True, exist_ok=True)
         stage = Path(tempfile.mkdtemp(prefix=".writing-", dir=out))
     except OSError as error:
-        raise InputError(
-            f"--out {out}: {error.strerror}",
-            "results go into a folder that is open for writing",
-            "name another folder with --out",
-        ) from error
+        raise _closed(out, str(error.strerror)) from error
     try:
         yield stage
         written = [file for file in stage.rglob("*") if file.is_file()]

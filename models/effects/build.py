@@ -22,7 +22,7 @@ def build_effect(entry: EffectEntry, rig: Rig, registry: Mapping[str, type[Effec
     Raises:
         InputError: an unknown kind, a wrong place, an unknown or missing key, a value outside its bounds.
     """
-    table = f"effects[{rig.effects.index(entry)}]" if entry in rig.effects else "effects"
+    table = f"effects[{rig.effects.index(entry)}]" if entry in rig.effects else "new effect"
     cls = registry.get(entry.kind)
     if cls is None:
         raise InputError(

@@ -38,22 +38,28 @@ def add(
     given = {"sleeve": sleeve, "position": position, "sensor": sensor, "against": against}
     settings = {key: value for key, value in given.items() if value is not None}
     with progress() as tell:
-        from testbed.add_run import run_add
+        from testbed.add_run import check_effect, run_add
         from testbed.inputs import read_inputs
 
+        folder = out_folder(out, rig)
+        check_effect(rig, kind, settings)
         inputs = read_inputs(rig, fit, without=without or ())
         tell(f"adding {kind} and fitting it to {', '.join(record.name for record in inputs.records)}")
-        folder = out_folder(out, rig)
         command = ["testbed", *sys.argv[1:]]
         added = run_add(inputs, kind, settings, folder, seed=seed, jobs=jobs, command=command)
-    from testbed.cli.tables import print_comparison, print_json, print_table, say
+    from testbed.cli.tables import measured, print_comparison, print_json, print_table, say
 
     if as_json:
         print_json(added.comparison)
         return
     print_table(("model", "NRMSE"), [(model.label, model.nrmse) for model in added.models], "error")
-    names = added.effect.parameters()
-    rows = [(name, getattr(added.effect, name), about.unit) for name, about in names.items()]
+    numbers = added.comparison["added"]["parameters"].items()
+    rows = [(name, measured(number), number["unit"]) for name, number in numbers]
     print_table(("parameter", "value", "unit"), rows, added.effect.label())
+    moved = added.comparison["calibrated"].items()
+    calibrated = [(name, row["given"], measured(row), row["unit"], f"{row['sigmas']:+.1f}") for name, row in moved]
+    if calibrated:
+        heads = ("number of the rig", "given", "fitted", "unit", "moved by, in tolerances")
+        print_table(heads, calibrated, "fitted along with it")
     print_comparison(added.comparison)
     say(f"written: {folder}/rig.updated.toml, compare.json and figures")

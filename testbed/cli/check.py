@@ -19,7 +19,7 @@ def check(rig: RigFile, records: Records = None, without: Without = None, as_jso
     """Everything that is wrong with a rig file and its records, before anything is computed; exit status 2 if so."""
     from dataclasses import asdict
 
-    from testbed.check import check_files
+    from testbed.check import check_files, counted
     from testbed.cli.tables import print_json, say
 
     findings = check_files(rig, records or [], without or [])
@@ -28,7 +28,7 @@ def check(rig: RigFile, records: Records = None, without: Without = None, as_jso
         print_json({"errors": n_errors, "findings": [asdict(finding) for finding in findings]})
     else:
         for finding in findings:
-            say(f"{finding.severity}: {finding.file}: {finding.text}")
-        say(f"{n_errors} error{'s' * (n_errors != 1)} in {1 + len(records or [])} files")
+            say(finding.line)
+        say(f"{counted(n_errors, 'error')} in {counted(1 + len(records or []), 'file')}")
     if n_errors:
         raise typer.Exit(2)

@@ -23,10 +23,17 @@ Without = Annotated[
 
 
 def out_folder(out: Path | None, file: Path) -> Path:
-    """Where results go: as asked for, or ``results/<name of the file>``.
+    """Where results go: as asked for, or ``results/<name of the file>``; seen to be open before anything is computed.
 
     Args:
         out: from ``--out``.
         file: the rig or record that the command is about.
+
+    Raises:
+        InputError: results cannot be written there.
     """
-    return Path("results") / file.stem if out is None else out
+    from testbed.outputs import check_open
+
+    folder = Path("results") / file.stem if out is None else out
+    check_open(folder)
+    return folder

@@ -1,6 +1,7 @@
 """Results as tables on standard output."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from math import floor, log10
 from typing import Any
 
 from rich.console import Console
@@ -80,15 +81,16 @@ def print_diagnosis(content: Mapping[str, Any]) -> None:
     """
     print_table(("model", "NRMSE"), [(row["model"], row["nrmse"]) for row in content["error"]], "error")
     if content["holdout"]:
-        print_table(("kept aside", "NRMSE"), list(content["holdout"].items()))
+        rows = [("noise" if label == "noise_nrmse" else label, error) for label, error in content["holdout"].items()]
+        print_table(("kept aside", "NRMSE"), rows)
     effects = [
-        (named(effect), effect["probability"], name, number["value"], number["std"], number["unit"])
+        (named(effect), chance_of(effect["probability"]), name, measured(number), number["unit"])
         for effect in content["effects"]
         for name, number in effect["parameters"].items()
     ]
     if effects:
-        print_table(("added", "probability", "parameter", "value", "std", "unit"), effects)
-    judged = [(named(row), row["probability"], row["nrmse"]) for row in content["candidates"][:5]]
+        print_table(("added", "probability", "parameter", "value", "unit"), effects)
+    judged = [(named(row), chance_of(row["probability"]), row["nrmse"]) for row in content["candidates"][:5]]
     if judged:
         print_table(("candidate", "probability", "NRMSE"), judged)
     for group in content["indistinguishable"]:
@@ -96,6 +98,31 @@ def print_diagnosis(content: Mapping[str, Any]) -> None:
     for finding in content["where"].get("findings", ()):
         say(f"note: {finding}")
     say(f"verdict: {content['verdict']}")
+
+
+LEAST_CHANCE = 1e-4
+"""Probabilities below it are all alike."""
+
+
+def chance_of(probability: float) -> str:
+    """A probability in a table's cell."""
+    return f"< {LEAST_CHANCE:g}" if probability < LEAST_CHANCE else f"{probability:.3g}"
+
+
+def measured(number: Mapping[str, Any]) -> str:
+    """A fitted value and its standard deviation, to two digits of that: ``1.49814 +- 0.00057``.
+
+    Args:
+        number: with ``value`` and ``std``, numbers or lists of them.
+    """
+    value, std = number["value"], number["std"]
+    if isinstance(value, list | tuple):
+        stds = std if isinstance(std, list | tuple) else [std] * len(value)
+        return ", ".join(measured({"value": v, "std": s}) for v, s in zip(value, stds, strict=True))
+    if not std:
+        return shown(value)
+    digits = max(2, 2 + floor(log10(abs(value) or std)) - floor(log10(std)))
+    return f"{value:.{digits}g} +- {std:.2g}"
 
 
 def named(effect: Mapping[str, Any]) -> str:

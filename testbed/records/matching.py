@@ -49,11 +49,21 @@ def match(recording: Recording, rig: Rig, without: Sequence[str] = ()) -> Matche
             sensors[sensor.name] = found[0]
     if not sensors:
         raise no_sensor(recording.file, (channel.tag for channel in others), rig)
-    unused = [
-        f"{recording.file}: channel {channel.tag.shown} is no sensor of the rig and was passed over"
+    strangers = [
+        channel.tag.shown
         for channel in others
         if not any(channel is used for used in sensors.values()) and _is_unexpected(channel.tag, rig, without)
     ]
+    unused = [f"{recording.file}: channel {name} is no sensor of the rig and was passed over" for name in strangers]
+    if excitation is None and rig.excitation is not None and rig.excitation.name not in without and strangers:
+        raise InputError(
+            f"{recording.file}: no channel for the excitation {rig.excitation.name}, but {strangers[0]}, which the rig "
+            "does not know",
+            f"the excitation goes by the name {rig.excitation.name}"
+            + ("" if rig.excitation.node is None else f" or the node {rig.excitation.node}")
+            + "; without it a record is a free decay",
+            f"rename the channel, or read the record as a free decay with --without {rig.excitation.name}",
+        )
     return Matched(sensors, excitation, position, (*recording.remarks, *findings, *unused))
 
 

@@ -137,7 +137,7 @@ CALM, WILD = [Horizon("a", 2.0, 1.0)], [Horizon("a", 2.0, 1.0), Horizon("b", 2.0
         ("missing_effect", [0.6, 0.4], WILD, "lower level"),
         ("complete", [0.6, 0.4], CALM, "higher level"),
         ("missing_effect", [0.6, 0.4], CALM, "two more levels"),
-        ("missing_effect", [0.99, 0.01], CALM, "hold-out record"),
+        ("missing_effect", [0.99, 0.01], CALM, "kept aside"),
     ],
 )
 def test_the_next_experiment_tells_what_is_open(verdict, chances, limits, advice):
@@ -152,4 +152,5 @@ def test_the_next_experiment_tells_what_is_open(verdict, chances, limits, advice
 def test_two_places_of_one_kind_do_not_ask_for_more_levels():
     rows = [ranked(MASS), ranked(PointMass(Place(position=0.9), mass=0.3))]
 
-    assert "hold-out" in next_experiment("missing_effect", rows, [0.6, 0.4], CALM)["do"]
+    assert "--holdout" in next_experiment("missing_effect", rows, [0.6, 0.4], CALM)["do"]
+    assert "higher" in next_experiment("missing_effect", rows, [0.6, 0.4], CALM, kept_aside=True)["do"]

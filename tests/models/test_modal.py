@@ -9,11 +9,12 @@ from model_scenes import EI, LENGTH, MASS, RADIUS, REFERENCE, STRUCTURE, rig_wit
 
 from models.beam.clamped_free import wave_numbers
 from models.effects import EFFECTS, Place
+from models.errors import InputError
 from models.modal import MIN_MODES, build_modal, modes_below
 from models.plant import build_plant
 from models.ports import Port
 from models.rig import Excitation, Oscillator, Rig
-from models.structure import Absorber
+from models.structure import Absorber, Structure
 
 BAND = 880.0
 OSCILLATOR = Rig(
@@ -155,3 +156,10 @@ def test_reciprocity_of_the_receptance():
     dynamic = np.linalg.inv(s**2 * np.eye(model.n) + s * model.damping + np.diag(model.omega**2))
     here, there = model.rows(0.45), model.rows(LENGTH)
     assert here @ dynamic @ there == pytest.approx(there @ dynamic @ here, rel=1e-12)
+
+
+def test_a_length_in_millimetres_is_refused_before_it_eats_the_machine():
+    beam = REFERENCE.structure.model_copy(update={"length": 1469.0})
+
+    with pytest.raises(InputError, match=r"length = 1469 m.*keeps 100 at most.*in m, Pa"):
+        modes_below(Structure.of(beam), 500.0)

@@ -32,6 +32,29 @@ def test_fine_files_say_what_they_hold(folder):
     assert (record.severity, record.text) == ("fine", "3 sensors, 1 s at 512 Hz, from rest")
 
 
+@pytest.mark.parametrize(
+    ("key", "value", "doubt"),
+    [
+        ("length = 1.2", "length = 1200.0", "are both in m?"),
+        ("diameter = 0.02", "diameter = 20.0", "are both in m?"),
+        ("youngs_modulus = 210e9", "youngs_modulus = 210e3", "in SI units?"),
+    ],
+)
+def test_numbers_in_another_unit_are_doubted(folder, key, value, doubt):
+    path = folder / "units.toml"
+    path.write_text(RIG_TOML.replace(key, value))
+
+    (found,) = check_files(path, [])
+
+    assert (found.severity, found.text.endswith(doubt)) == ("finding", True)
+
+
+def test_a_file_is_named_once_in_a_line(folder):
+    (folder / "empty.csv").write_text("")
+    (line,) = (f.line for f in check_files(folder / "rig.toml", [folder / "empty.csv"]) if f.severity == "error")
+    assert line.count("empty.csv") == 1
+
+
 def test_all_effects_that_do_not_fit_are_told(folder):
     path = folder / "effects.toml"
     path.write_text(

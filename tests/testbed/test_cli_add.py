@@ -44,6 +44,12 @@ def test_the_grease_is_fitted_and_remembered(folder, capsys):
     assert effect.damping == pytest.approx(FILM.damping, rel=0.02)
     assert rig.structure.youngs_modulus == pytest.approx(210e9, rel=2e-3)
     assert content["nrmse"] < 0.006
+    damping = content["added"]["parameters"]["damping"]
+    assert damping["value"] == effect.damping
+    assert abs(damping["value"] - FILM.damping) < 4.0 * damping["std"]
+    (modulus,) = content["calibrated"].values()
+    assert modulus["given"] == 210e9
+    assert modulus["sigmas"] == pytest.approx((modulus["value"] - 210e9) / 2.1e9)
     models = json.loads((folder / "a" / "history" / "history.json").read_text())["entries"]
     assert [entry["model"] for entry in models] == ["as given", "+ squeeze_film at sleeve 2"]
     assert models[0]["nrmse"] > 20.0 * models[1]["nrmse"]
@@ -62,6 +68,13 @@ def test_the_grease_is_fitted_and_remembered(folder, capsys):
 def test_an_effect_that_does_not_fit_is_told(arguments, message, capsys):
     assert main(["add", "rig.toml", *arguments, "--fit", "burst.csv", "--out", "none"]) == 2
     assert message in capsys.readouterr().err
+
+
+def test_the_numbers_are_shown_with_their_deviations(capsys):
+    assert main(["add", "rig.toml", "point_mass", "--position", "0.6", "--fit", "burst.csv", "--out", "mass"]) == 0
+    told = capsys.readouterr().out
+    assert "+-" in told
+    assert "youngs_modulus" in told
 
 
 def test_trials_are_made_once_for_what_moves_there_and_carry_the_options(folder, monkeypatch):

@@ -25,6 +25,8 @@ RIG = Path(__file__).parents[1] / "data" / "reference_rig.toml"
         (["modes", str(RIG), "--up-to", "1"], "no mode oscillates up to 1 Hz"),
         (["compare", str(RIG), "a.csv", "--jobs", "0"], "testbed compare: Invalid value for '--jobs'"),
         (["diagnose", str(RIG), "a.csv", "--holdout", "b/a.csv"], "a.csv is named 2 times"),
+        (["compare", "a.csv", "a.csv"], "a.csv: a record in the place of the rig; the rig file (.toml) comes first"),
+        (["diagnose", str(RIG), "a.csv", "--out", str(RIG)], f"--out {RIG}: {RIG} is a file; results go into a folder"),
         (["frf", "a.doc"], 'a.doc: the suffix ".doc"'),
         (["history", "nowhere"], "nowhere: no history"),
     ],
@@ -52,7 +54,7 @@ def test_a_motion_that_grows_without_bound_is_a_message(monkeypatch, capsys, tmp
 def test_a_results_folder_that_is_a_file_is_a_message(capsys, tmp_path):
     (tmp_path / "out").write_text("")
     assert main(["modes", str(RIG), "--out", str(tmp_path / "out")]) == 2
-    assert "File exists; results go into a folder" in capsys.readouterr().err
+    assert "out is a file; results go into a folder" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("command", COMMANDS)

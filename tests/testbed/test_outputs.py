@@ -3,7 +3,7 @@
 import pytest
 
 from models.errors import InputError
-from testbed.outputs import LAST, staged
+from testbed.outputs import LAST, check_open, staged
 
 
 def test_files_and_folders_arrive_together(tmp_path):
@@ -15,6 +15,17 @@ def test_files_and_folders_arrive_together(tmp_path):
     assert sorted(str(f.relative_to(tmp_path / "out")) for f in (tmp_path / "out").rglob("*")) == [
         "figures", "figures/a.png", LAST,
     ]  # fmt: skip
+
+
+def test_a_folder_that_is_open_is_not_made_yet(tmp_path):
+    check_open(tmp_path / "deep" / "er")
+    assert not any(tmp_path.iterdir())
+
+
+def test_a_folder_in_a_file_is_refused(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match=r"file is a file; results go into a folder"):
+        check_open(tmp_path / "file" / "out")
 
 
 def test_a_failure_leaves_what_was_there(tmp_path):

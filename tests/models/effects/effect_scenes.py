@@ -53,6 +53,7 @@ def scene_at(place: Place, structure: str = "beam", amplitude: float = 1.0, **ch
         penetration=2e-5 * amplitude if contact else 0.0,
         duration=4.0,
         driven_base=False,
+        ground_velocity=0.05 * amplitude,
     )
     return replace(plain, **changes)
 

@@ -79,6 +79,17 @@ def test_a_free_decay_has_no_excitation_and_moves(tmp_path, suffix):
     assert any("no channel for the excitation shaker; read as a free decay" in finding for finding in back.findings)
 
 
+def test_an_excitation_by_another_name_is_asked_for(tmp_path):
+    write_record(a_record(), a_rig(), tmp_path / "run.csv")
+    text = (tmp_path / "run.csv").read_text()
+    (tmp_path / "run.csv").write_text(text.replace("shaker [N]", "foo [V]"))
+
+    with pytest.raises(InputError, match=r"no channel for the excitation shaker, but foo.*--without shaker"):
+        read_record(tmp_path / "run.csv", a_rig())
+
+    assert read_record(tmp_path / "run.csv", a_rig(), without=["shaker"]).excitation is None
+
+
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_arrays_of_a_record_are_read_only(tmp_path, suffix):
     write_record(a_record(), a_rig(), tmp_path / f"run{suffix}")
