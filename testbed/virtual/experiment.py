@@ -1,0 +1,203 @@
+"""An experiment as its TOML file describes it: what drives the rig, what listens, and what nobody mentioned."""
+
+import tomllib
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, ValidationError
+
+from models.errors import InputError
+from models.rig import EffectEntry, NonNegative, Part, Positive
+
+Count = Annotated[int, Field(ge=1, strict=True)]
+Lines = Literal["full", "odd", "odd_detection"]
+
+
+class Multisine(Part):
+    """Periods of a sum of sines of random phase; ``rms`` may be a list of levels, each a record.
+
+    ``lines``: all of a period's spectrum, the odd ones, or the odd ones without one of each four, drawn at random, where
+    odd distortion then shows.
+    """
+
+    kind: Literal["multisine"]
+    low: Positive = 5.0
+    high: Positive = 300.0
+    rms: Positive | tuple[Positive, ...] = 3.0
+    period: Positive = 1.0
+    periods: Count = 4
+    realisations: Count = 1
+    lines: Lines = "full"
+
+
+class Sweep(Part):
+    """A sine whose frequency grows by equal ratios in equal times."""
+
+    kind: Literal["sweep"]
+    low: Positive = 5.0
+    high: Positive = 300.0
+    amplitude: Positive = 10.0
+    duration: Positive = 8.0
+
+
+class SteppedSine(Part):
+    """Sines one after the other, each for so many cycles and without a jump of phase."""
+
+    kind: Literal["stepped_sine"]
+    low: Positive = 5.0
+    high: Positive = 300.0
+    steps: Count = 40
+    cycles: Positive = 20.0
+    amplitude: Positive = 5.0
+
+
+class Hammer(Part):
+    """Blows of half a sine; ``double`` is the share of a second hit ``rebound`` s after each, 0 for none."""
+
+    kind: Literal["hammer"]
+    peak: Positive = 100.0
+    width: Positive = 2e-3
+    blows: Count = 1
+    interval: Positive = 2.0
+    start: NonNegative = 0.05
+    double: Annotated[float, Field(ge=0, le=1, strict=True)] = 0.0
+    rebound: Positive = 0.02
+
+
+class RovingHammer(Part):
+    """The same blow at one place after the other, each a record: ``positions`` are m from the clamp."""
+
+    kind: Literal["roving_hammer"]
+    positions: tuple[Positive, ...]
+    peak: Positive = 100.0
+    width: Positive = 2e-3
+    start: NonNegative = 0.05
+    duration: Positive = 2.0
+
+
+class Release(Part):
+    """The rig is held down by a force, N, at a position, m, and let go at the first sample."""
+
+    kind: Literal["release"]
+    position: Positive
+    force: Annotated[float, Field(allow_inf_nan=False, strict=True)]
+    duration: Positive = 4.0
+
+
+class FreeDecay(Part):
+    """A burst of a sine, and the record of what follows it: the excitation is over before it begins."""
+
+    kind: Literal["free_decay"]
+    frequency: Positive
+    amplitude: Positive = 5.0
+    cycles: Positive = 20.0
+    duration: Positive = 4.0
+
+
+AnyExcitation = Multisine | Sweep | SteppedSine | Hammer | RovingHammer | Release | FreeDecay
+
+
+class SensorTable(Part):
+    """A sensor as it is bought and mounted; what is not given is that of the preset, or ideal.
+
+    Units: ``noise_density`` in the sensor's SI unit per root hertz, ``range`` in its SI unit, ``resonance`` in Hz on its
+    mount, ``mass`` in kg with its cable on the beam, ``position_error`` in m, ``gain_error`` as a fraction.
+    """
+
+    preset: str | None = None
+    noise_density: NonNegative | None = None
+    range: Positive | None = None
+    bits: Annotated[int, Field(ge=4, le=32, strict=True)] | None = None
+    resonance: Positive | None = None
+    quality: Positive | None = None
+    mass: NonNegative | None = None
+    position_error: Annotated[float, Field(allow_inf_nan=False, strict=True)] | None = None
+    gain_error: Annotated[float, Field(gt=-1, allow_inf_nan=False, strict=True)] | None = None
+
+
+class Truth(Part):
+    """What the rig's owner does not know: numbers off within their tolerance, and effects that nobody mentioned."""
+
+    perturbed: bool = False
+    effects: tuple[EffectEntry, ...] = ()
+
+
+class Experiment(Part):
+    """One virtual test campaign.
+
+    Attributes:
+        fs: rate of the records, Hz.
+        seed: of phases, noise and perturbed numbers.
+        excitation: what is done.
+        sensors: by the names of the rig's sensors, ``all`` for the rest, ``excitation`` for the excitation's own.
+        truth: what the rig file does not say.
+    """
+
+    fs: Positive = 2048.0
+    seed: Annotated[int, Field(ge=0, strict=True)] = 0
+    excitation: Annotated[AnyExcitation, Field(discriminator="kind")]
+    sensors: dict[str, SensorTable] = Field(default_factory=dict)
+    truth: Truth = Truth()
+
+
+def read_experiment(path: Path) -> Experiment:
+    """The experiment that a TOML file describes.
+
+    Args:
+        path: the file.
+
+    Raises:
+        InputError: it cannot be read, is not TOML, or describes no experiment; the first problem is told.
+    """
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}", "an experiment is a TOML file", "correct the path") from error
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise InputError(f"{path.name}: {error}", "an experiment is a TOML file", "correct it there") from error
+    try:
+        return Experiment.model_validate(content)
+    except ValidationError as error:
+        raise _fault(error, path.name) from error
+
+
+def _fault(error: ValidationError, file: str) -> InputError:
+    """The first problem in three parts."""
+    first = error.errors()[0]
+    kinds = {part.model_fields["kind"].annotation.__args__[0] for part in AnyExcitation.__args__}  # type: ignore[union-attr, attr-defined]
+    keys = [str(key) for key in first["loc"] if key not in kinds]
+    where = f"{file}: {'.'.join(keys)}"
+    if first["type"] == "extra_forbidden":
+        known = _keys_beside(first["loc"])
+        near = get_close_matches(keys[-1], known, n=1)
+        return InputError(
+            where, f"the keys here are {', '.join(known)}", f"did you mean {near[0]}?" if near else "remove it"
+        )
+    if first["type"] == "missing":
+        return InputError(
+            f"{where} is missing", "it has no default", f"add {keys[-1]}; docs/experiments.md lists the keys"
+        )
+    if first["type"].startswith("union_tag"):
+        return InputError(
+            f"{where}: {first.get('ctx', {}).get('tag', 'no kind')}",
+            f"a kind is one of {', '.join(sorted(kinds))}",
+            "choose one of them",
+        )
+    return InputError(
+        f"{where} = {first['input']!r}",
+        first["msg"][0].lower() + first["msg"][1:],
+        "docs/experiments.md lists the keys and their units",
+    )
+
+
+def _keys_beside(place: tuple[Any, ...]) -> list[str]:
+    """Keys that are known in the table of an unknown one."""
+    part: Any = Experiment
+    if place[0] == "excitation" and len(place) > 1:
+        part = next(p for p in AnyExcitation.__args__ if place[1] in p.model_fields["kind"].annotation.__args__)  # type: ignore[attr-defined]
+    elif place[0] == "sensors":
+        part = SensorTable
+    elif place[0] == "truth":
+        part = Truth
+    return list(part.model_fields)
