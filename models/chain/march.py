@@ -1,8 +1,8 @@
 """The compiled loop around the engine's step: motion of the ports, forces there, and where the energy went.
 
 The engine steps by leapfrog: velocities lie half a step before the positions. A force acts over the half steps on both
-sides of its position, so a contact that begins or ends there acts only on the part in which it is closed; a law reads the
-velocity at the position itself, extrapolated from the two half steps before.
+sides of its position, so a contact that begins or ends there acts only on the part in which it is closed; a law reads
+the velocity at the position itself, extrapolated from the two half steps before.
 """
 
 from typing import NamedTuple
@@ -13,10 +13,13 @@ from models.arrays import FloatArray, IntArray
 from models.chain.engine_call import call_engine
 from models.compiled import compiled
 from models.law_call import call_law
-from models.point_forces import BILATERAL, CLEARANCE, GROWTH, IS_CONTACT, OFFSET, Items
+from models.point_forces import BILATERAL, CLEARANCE, GROWTH, IS_CONTACT, OFFSET, Items, closed_part
 
 FINITE = 1e12
 """Angles and velocities beyond it count as lost."""
+
+
+part_closed = compiled(closed_part)
 
 
 class Engine(NamedTuple):
@@ -127,15 +130,11 @@ def contact_force(items: Items, j: int, t: float, h: float, q: float, v: float) 
     if items.contact[j, BILATERAL] > 0.0:
         both: float = call_law(law, t, p, rate, 0.0, items.values, first)
         return -side * both
-    reach = 0.5 * h * abs(rate)
-    if p >= reach:
-        whole: float = call_law(law, t, p, rate, 0.0, items.values, first)
-        return -side * max(0.0, whole)
-    if p <= -reach:
+    share, amid = part_closed(p, rate, h)
+    if share == 0.0:
         return 0.0
-    share = 0.5 * (p + reach) / reach
-    middle: float = call_law(law, t, 0.5 * (p + reach), rate, 0.0, items.values, first)
-    return -side * share * max(0.0, middle)
+    normal: float = call_law(law, t, amid, rate, 0.0, items.values, first)
+    return -side * share * max(0.0, normal)
 
 
 @compiled
@@ -154,7 +153,7 @@ def march(engine: Engine, chain: Chain, course: Course, items: Items, log: Log) 
     Returns:
         steps done; less than there are columns in ``log`` where the motion left the finite numbers.
     """
-    n, n_items, n_steps = chain.dof.shape[0], items.port.shape[0], course.force.shape[0]
+    n, n_items, n_steps = chain.dof.shape[0], items.port.shape[0], len(course.force)
     n_rows, n_sensors, h = chain.heights.shape[0], log.read.shape[0], course.h
     n_ports = n_rows - n_sensors - 1
     rows, place = np.zeros((n_rows, n)), np.zeros(n_rows)

@@ -1,7 +1,7 @@
 """The rig as a MuJoCo model: a chain of segments with sprung hinges, masses and absorbers on it, sleeves around it."""
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from typing import Any
 
@@ -15,6 +15,9 @@ from models.structure import Structure
 
 UPWARDS = (0.0, -1.0, 0.0)
 """Axis of the hinges: a positive angle lifts what comes after."""
+
+ANY_STEP = 0.25
+"""Newmark's beta at which a spring is stable at any step, for a clamp that is all but built in."""
 
 THIN = 1e-9
 """Moment of inertia, kg m^2, about the beam's own axis, which no planar motion asks for but the engine does."""
@@ -56,10 +59,12 @@ def build_spec(plant: Plant, segments: Segments, settings: ChainSettings) -> Any
     spec.worldbody.add_light(pos=[0.5 * structure.length, -2.0, 2.0], dir=[0.0, 0.7, -0.7])
     for contact in plant.contacts:
         _add_sleeve(spec, contact.sleeve, contact.position, structure.diameter / 2 + contact.clearance)
-    body, at = spec.worldbody, 0.0
+    body, at, eta2 = spec.worldbody, 0.0, structure.rayleigh[1] * structure.damping_scale
     if structure.clamp_stiffness < inf:
         body = body.add_body(name="clamp")
-        _add_hinge(body, "clamp", structure.clamp_stiffness, 0.0, settings)
+        stiff = is_stiff(structure.clamp_stiffness, structure, segments)
+        of_clamp = replace(settings, newmark=ANY_STEP) if stiff and settings.newmark else settings
+        _add_hinge(body, "clamp", structure.clamp_stiffness, eta2 * structure.clamp_stiffness, of_clamp)
         _give_mass(body, structure, (0.0, 0.5 * segments.h), 0.0, settings)
     else:
         _draw(body, structure, 0.0, 0.5 * segments.h)
@@ -67,14 +72,16 @@ def build_spec(plant: Plant, segments: Segments, settings: ChainSettings) -> Any
     for i, (hinge, span) in enumerate(zip(segments.hinges, segments.spans, strict=True)):
         body = body.add_body(name=f"segment {i + 1}", pos=[hinge - at, 0.0, 0.0])
         at = float(hinge)
-        _add_hinge(body, f"hinge {i + 1}", spring, structure.rayleigh[1] * structure.damping_scale * spring, settings)
+        _add_hinge(body, f"hinge {i + 1}", spring, eta2 * spring, settings)
         _give_mass(body, structure, (float(span[0]) - at, float(span[1]) - at), at, settings)
         for number, (position, mass) in enumerate(structure.masses):
             if segments.segment_at(position or 0.0) == i:
                 _add_mass(body, f"mass {number + 1}", (position or 0.0) - at, mass, structure)
         for number, absorber in enumerate(structure.absorbers):
             if segments.segment_at(absorber.position or 0.0) == i:
-                hung = _add_mass(body, f"absorber {number + 1}", (absorber.position or 0.0) - at, absorber.mass, structure)
+                hung = _add_mass(
+                    body, f"absorber {number + 1}", (absorber.position or 0.0) - at, absorber.mass, structure
+                )
                 slide = hung.add_joint(name=f"absorber {number + 1}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 0, 1])
                 slide.stiffness[0], slide.damping[0] = absorber.coefficients
     return spec
@@ -88,12 +95,18 @@ def to_xml(spec: Any) -> str:
         "     other effects are computed outside of this file, so that here the beam falls through its sleeves. -->\n"
     )
     text = re.sub(r"(<mujoco[^>]*>\n)", lambda found: found.group(1) + head, spec.to_xml(), count=1)
-    text = text.replace("  <worldbody>", "  <!-- Sleeves stand still; each segment hangs on the one before. -->\n  <worldbody>")
-    return text
+    return text.replace(
+        "  <worldbody>", "  <!-- Sleeves stand still; each segment hangs on the one before. -->\n  <worldbody>"
+    )
+
+
+def is_stiff(clamp_stiffness: float, structure: Structure, segments: Segments) -> bool:
+    """Whether a clamp that turns is stiffer than the chain's own hinges, and would shorten the stable step."""
+    return structure.bending_stiffness / segments.h < clamp_stiffness < inf
 
 
 def _add_hinge(body: Any, name: str, stiffness: float, damping: float, settings: ChainSettings) -> None:
-    """A sprung hinge; the engine damps implicitly, half a step late, which acts like an armature of -damping step / 2."""
+    """A sprung hinge; the engine damps implicitly, half a step late, which the armature makes good (docs/theory.md)."""
     hinge = body.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_HINGE, axis=UPWARDS)
     hinge.stiffness[0], hinge.damping[0] = stiffness, damping
     hinge.armature = max(0.0, settings.newmark * settings.step**2 * stiffness - 0.5 * settings.step * damping)
@@ -143,7 +156,12 @@ def _add_sleeve(spec: Any, name: str, position: float, inner: float) -> None:
     mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_EXACT
     body = spec.worldbody.add_body(name=name, pos=[position, 0.0, 0.0])
     body.add_geom(
-        type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, contype=0, conaffinity=0, density=SLEEVE_DENSITY, rgba=SLEEVE_COLOUR
+        type=mujoco.mjtGeom.mjGEOM_MESH,
+        meshname=name,
+        contype=0,
+        conaffinity=0,
+        density=SLEEVE_DENSITY,
+        rgba=SLEEVE_COLOUR,
     )
 
 

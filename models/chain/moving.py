@@ -11,6 +11,7 @@ from models.chain.rig_chain import RigChain, engine_of, held_at, readings, sprin
 from models.equilibrium import forces_at
 from models.errors import DivergenceError
 from models.point_forces import compile_items
+from models.simulators.protocol import EnergyBalance
 from models.simulators.recorded import Steps
 
 
@@ -18,6 +19,7 @@ def move_chain(
     chain: RigChain,
     force: FloatArray,
     base: FloatArray,
+    every: int,
     hold: tuple[float, float] | None = None,
 ) -> Steps:
     """Move a chain through a given course.
@@ -26,6 +28,7 @@ def move_chain(
         chain: at rest.
         force: (M,) N at every step.
         base: (3, M) displacement, velocity and acceleration of the base, or (3, 0).
+        every: steps per sample.
         hold: (position m, force N) that deflects the chain until the first step, or None.
 
     Raises:
@@ -70,7 +73,7 @@ def move_chain(
             "take more steps per sample (--steps), or look for a negative stiffness or damping among the effects"
         )
     log.read[:] -= at_rest[:, None]
-    return _accounted(chain, log, base, step)
+    return _accounted(chain, log, base, step, every)
 
 
 def _damping_left(chain: RigChain, seen: Chain) -> FloatArray:
@@ -85,8 +88,8 @@ def _damping_left(chain: RigChain, seen: Chain) -> FloatArray:
     return np.ascontiguousarray(structure.damping_scale * structure.rayleigh[0] * beam)
 
 
-def _accounted(chain: RigChain, log: Log, base: FloatArray, step: float) -> Steps:
-    """The motion with its energy, in the sums that leapfrog keeps: products of velocities on both sides of a position."""
+def _accounted(chain: RigChain, log: Log, base: FloatArray, step: float, every: int) -> Steps:
+    """The motion with its energy, in the sums that leapfrog keeps: products of velocities about a position."""
     model = chain.model
     damping = np.array(model.dof_damping, float).reshape(model.nv, -1)[:, 0]
     after = np.concatenate([log.qvel[1:], log.qvel[-1:]])
@@ -102,7 +105,8 @@ def _accounted(chain: RigChain, log: Log, base: FloatArray, step: float) -> Step
     if base.shape[1]:
         shaken = -0.5 * (base[2, :-1] + base[2, 1:])
         supplied = supplied + _summed(step * shaken * (pieces @ carried))
-    return Steps(log.read, log.motion, log.forces, stored, supplied, log.work[1] + _summed(in_hinges), log.work[2])
+    ways = (stored, supplied, log.work[1] + _summed(in_hinges), log.work[2])
+    return Steps(log.read, log.motion, log.forces, EnergyBalance(*(way[::every] for way in ways)))
 
 
 def _summed(pieces: FloatArray) -> FloatArray:

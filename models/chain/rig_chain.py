@@ -202,5 +202,3 @@ def _weights(segments: Segments, position: float, derivative: int, clamp_turns: 
     near = segments.segment_at(position) == 0
     stub = (position if derivative == 0 else 1.0) - slopes.sum() if near else 0.0
     return np.append(0.0, heights), np.append(stub, slopes)
-
-

@@ -1,8 +1,8 @@
 """A beam as a chain of rigid segments with a spring at each hinge: where they lie and what they say of the beam.
 
-Hinges lie amid n equal stretches of length h, each with the spring E I / h. With the segments' own inertia m h^2 / 12 the
-chain carries waves whose frequency is wrong by (k h)^4 / 1440 only, and segment i, at the angle theta_i and the height z_i,
-stands for the beam's
+Hinges lie amid n equal stretches of length h, each with the spring E I / h. With the segments' own inertia m h^2 / 12
+the chain carries waves whose frequency is wrong by (k h)^4 / 1440 only, and segment i, at the angle theta_i and the
+height z_i, stands for the beam's
 
     w' = theta + h^2 w''' / 24    and    w = z - h^2 w'' / 24.
 
@@ -47,7 +47,7 @@ class Segments:
         """(n,) m from the clamp."""
         places = np.arange(self.n) + 0.5
         places[:2] = CLAMP_HINGES
-        return places * self.h
+        return np.asarray(places * self.h)
 
     @cached_property
     def spans(self) -> FloatArray:

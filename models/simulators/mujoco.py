@@ -7,11 +7,12 @@ import numpy as np
 
 from models.arrays import FloatArray
 from models.band_limit import STOP_EDGE
-from models.chain.mjcf import ChainSettings
+from models.chain.mjcf import ChainSettings, is_stiff
 from models.chain.moving import move_chain
 from models.chain.rig_chain import RigChain, build_chain
 from models.chain.segments import Segments
 from models.plant import Plant
+from models.ports import Port
 from models.simulators.driving import at_place, driven
 from models.simulators.protocol import Motion, Resolution, Simulator, Trial, beam_limits
 from models.simulators.recorded import recorded
@@ -59,7 +60,7 @@ class Mujoco(Simulator):
         chain = build_chain(plant, n, ChainSettings(step, NEWMARK, resolution.rotary_inertia))
         force, base = driven(plant, trial, factor, bend=NEWMARK)
         hold = None if trial.hold is None else (trial.hold.position, trial.hold.force)
-        motion = move_chain(chain, force, base, hold)
+        motion = move_chain(chain, force, base, factor, hold)
         choices = (
             f"{n} segments of {1e3 * chain.segments.h:.3g} mm" + ("" if resolution.n_parts else AUTO_SEGMENTS),
             f"steps of {1e6 * step:.3g} us, {factor} per sample" + ("" if resolution.steps_per_sample else AUTO_STEP),
@@ -72,7 +73,9 @@ class Mujoco(Simulator):
         return ceil(1.0 / (fs * largest_step(chain)))
 
 
-AUTO_SEGMENTS = ": at most nine tenths of 1 / k at the upper edge of the record's band, attached masses where they speak true"
+AUTO_SEGMENTS = (
+    ": at most nine tenths of 1 / k at the upper edge of the record's band, attached masses where they speak true"
+)
 AUTO_STEP = ": as long as the engine is stable with the chain's highest frequency and resolves laws and contacts"
 
 
@@ -90,14 +93,18 @@ def n_segments(plant: Plant, fs: float) -> int:
     def fault(n: int) -> float:
         segments = Segments(structure.length, n)
         away = [at - segments.centres[segments.segment_at(at)] for at, _ in carried]
-        return sum(mass * abs(x**2 - segments.h**2 / 12.0) for x, (_, mass) in zip(away, carried, strict=True))
+        return float(sum(mass * abs(x**2 - segments.h**2 / 12.0) for x, (_, mass) in zip(away, carried, strict=True)))
 
     return min(range(least, least + SPARE_SEGMENTS + 1), key=fault)
 
 
 def largest_step(chain: RigChain) -> float:
     """Longest step, s, at which the chain is stable and its laws and contacts are resolved."""
-    highest = sqrt(float(np.linalg.eigvals(np.linalg.solve(chain.mass, chain.tangent)).real.max()))
+    tangent, clamp = chain.tangent, chain.plant.structure.clamp_stiffness
+    if is_stiff(clamp, chain.plant.structure, chain.segments):
+        tangent = tangent.copy()
+        tangent[0, 0] -= clamp  # it cannot make the step unstable
+    highest = sqrt(float(np.linalg.eigvals(np.linalg.solve(chain.mass, tangent)).real.max()))
     steps = [STABLE / highest]
     for contact in chain.plant.contacts:
         port = next(p for p in chain.ports if p.position == contact.position and p.derivative == 0)
@@ -105,14 +112,16 @@ def largest_step(chain: RigChain) -> float:
         steps.append(sqrt(STIFF / slope))
     nudge = 1e-6
     for force in chain.forces:
-        at = chain.port_rest[chain.ports.index(force.port)]  # type: ignore[arg-type]
+        assert isinstance(force.port, Port)
+        at = chain.port_rest[chain.ports.index(force.port)]
         if force.contact is not None:
             dashpot = force.law(0.0, nudge, nudge, 0.0, force.values) - force.law(0.0, nudge, 0.0, 0.0, force.values)
         else:
             edges = [at, *(c.offset + s * c.clearance for c in chain.plant.contacts for s in (-1.0, 0.0, 1.0))]
             dashpot = max(
-                abs(force.law(0.0, q, nudge, 0.0, force.values) - force.law(0.0, q, 0.0, 0.0, force.values)) for q in edges
+                abs(force.law(0.0, q, nudge, 0.0, force.values) - force.law(0.0, q, 0.0, 0.0, force.values))
+                for q in edges
             )
         if dashpot > 0.0:
-            steps.append(DAMPED * nudge / (dashpot * chain.compliance_of(force.port)))  # type: ignore[arg-type]
+            steps.append(DAMPED * nudge / (dashpot * chain.compliance_of(force.port)))
     return min(steps)
