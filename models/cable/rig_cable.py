@@ -1,6 +1,5 @@
 """A plant as ANCF cable elements in Exudyn: nodes on every port, forces of laws and sleeves there, gravity, clamp."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
@@ -10,9 +9,7 @@ import exudyn as exu
 import numpy as np
 from exudyn.itemInterface import (
     LoadCoordinate,
-    LoadMassProportional,
     MarkerBodiesRelativeTranslationCoordinate,
-    MarkerBodyMass,
     MarkerNodeCoordinate,
     Mass1D,
     Node1D,
@@ -26,37 +23,14 @@ from exudyn.itemInterface import (
 )
 
 from models.arrays import FloatArray
+from models.cable.course import Course
+from models.cable.matrices import OWN, UP, attached_mass, axial_stiffness, shape_at, small_motion
 from models.cable.port_law import PortLaw
-from models.fine.finite_elements import TOUCH, hermite
+from models.fine.finite_elements import TOUCH
 from models.fine.mesh import place_nodes
 from models.plant import Plant
 from models.point_forces import PointForce, Stretch, point_forces
 from models.ports import Port
-from models.structure import Structure
-
-OWN = 4
-"""Coordinates of a node: displacements x and y, and changes of the slope vector's x and y."""
-
-UPWARDS = np.array([0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0])
-"""An element's coordinates in a unit displacement upwards."""
-
-Motion = Callable[[float], float]
-
-
-@dataclass(eq=False)
-class Course:
-    """What drives the cable while it moves; while the state at rest is sought, only what holds it acts.
-
-    Attributes:
-        force, base: N and m/s^2 at a time, s.
-        held: N at ``held_at`` until the motion begins.
-        settling: whether the state at rest is sought.
-    """
-
-    force: Motion
-    base: Motion
-    held: float = 0.0
-    settling: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,16 +65,21 @@ class RigCable:
     carried: FloatArray
 
     @cached_property
-    def port_of(self) -> tuple[int, ...]:
-        """Number of each force's port."""
-        return tuple(self.ports.index(force.port) for force in self.forces if isinstance(force.port, Port))
+    def port_rows(self) -> FloatArray:
+        """(n_ports, n) motion of the ports by coordinate."""
+        rows = [self.row(port.position or 0.0, port.derivative) for port in self.ports]
+        return np.array(rows).reshape(-1, len(self.carried))
 
     def row(self, position: float, derivative: int = 0) -> FloatArray:
         """(n,) weights of the coordinates in the deflection or the slope at a place, m from the clamp."""
         row = np.zeros(len(self.carried))
-        k, shape = _shape(self.nodes, position, derivative)
-        row[OWN * k + np.array([1, 3, 5, 7])] = shape
+        k, shape = shape_at(self.nodes, position, derivative)
+        row[OWN * k + np.array(UP)] = shape
         return row
+
+    def of_port(self, number: int) -> list[int]:
+        """Numbers of the forces at a port."""
+        return [k for k, force in enumerate(self.forces) if force.port == self.ports[number]]
 
 
 def build_cable(plant: Plant, n_elements: int, course: Course, held_at: float | None = None) -> RigCable:
@@ -116,22 +95,24 @@ def build_cable(plant: Plant, n_elements: int, course: Course, held_at: float | 
     system, structure = container.AddSystem(), plant.structure
     forces = tuple(force for force in point_forces(plant) if not isinstance(force.port, Stretch))
     ports = tuple(port for port in dict.fromkeys(force.port for force in forces) if isinstance(port, Port))
-    laws = tuple(PortLaw([force for force in forces if force.port == port]) for port in ports)
+    laws = tuple(PortLaw([force for force in forces if force.port == port], course.step) for port in ports)
     driven_at = None if plant.excitation is None else plant.excitation.position
     named = [*(port.position for port in ports), driven_at, *(a.position for a in structure.absorbers)]
     nodes = place_nodes(structure.length, [place for place in named if place is not None], n_elements)
-    cable = RigCable(plant, system, container, nodes, forces, ports, laws, course, *_matrices(structure, nodes))
+    cable = RigCable(plant, system, container, nodes, forces, ports, laws, course, *small_motion(structure, nodes))
     build = _Builder(cable)
     build.beam()
-    build.clamp(structure.clamp_stiffness)
+    build.clamp()
     for port, law in zip(ports, laws, strict=True):
         build.law(port, law)
     for absorber in structure.absorbers:
         build.absorber(absorber.position or 0.0, absorber.mass, absorber.coefficients)
     if driven_at is not None:
-        build.load(driven_at, lambda t: 0.0 if course.settling else course.force(t))
+        build.load(driven_at, lambda mbs, t, load: course.force_at(t))  # noqa: ARG005
     if held_at is not None:
-        build.load(held_at, lambda t: course.held if course.settling else 0.0)  # noqa: ARG005
+        build.load(held_at, lambda mbs, t, load: course.held if course.settling else 0.0)  # noqa: ARG005
+    if course.base_moves:
+        build.base_motion()
     system.Assemble()
     return cable
 
@@ -150,63 +131,71 @@ class _Builder:
         self.elements: list[Any] = []
 
     def beam(self) -> None:
-        """The elements with their weight, what damps them in proportion to mass, and the masses on them."""
-        structure, course = self.cable.plant.structure, self.cable.course
+        """The elements; in one object with all nodes what damps them by mass, the points on them, and all weight."""
+        structure = self.cable.plant.structure
         eta1, eta2 = (structure.damping_scale * eta for eta in structure.rayleigh)
         axial = axial_stiffness(structure)
         for k, length in enumerate(np.diff(self.nodes)):
-            both = [self.numbers[k], self.numbers[k + 1]]
-            element = self.system.AddObject(
-                ObjectANCFCable2D(
-                    physicsLength=length,
-                    physicsMassPerLength=structure.line_mass,
-                    physicsBendingStiffness=structure.bending_stiffness,
-                    physicsAxialStiffness=axial,
-                    physicsBendingDamping=eta2 * structure.bending_stiffness,
-                    physicsAxialDamping=eta2 * axial,
-                    nodeNumbers=both,
-                )
+            element = ObjectANCFCable2D(
+                physicsLength=length,
+                physicsMassPerLength=structure.line_mass,
+                physicsBendingStiffness=structure.bending_stiffness,
+                physicsAxialStiffness=axial,
+                physicsBendingDamping=eta2 * structure.bending_stiffness,
+                physicsAxialDamping=eta2 * axial,
+                nodeNumbers=[self.numbers[k], self.numbers[k + 1]],
             )
-            self.elements.append(element)
-            weight = self.system.AddMarker(MarkerBodyMass(bodyNumber=element))
-            self.system.AddLoad(LoadMassProportional(markerNumber=weight, loadVector=[0.0, -structure.gravity, 0.0]))
-            attached = attached_mass(structure, self.nodes, k)
-            if eta1 or attached.any():
-                self.system.AddObject(
-                    ObjectGenericODE2(
-                        nodeNumbers=both,
-                        massMatrix=attached,
-                        dampingMatrix=eta1 * (element_mass(structure, length) + attached),
-                        forceVector=-structure.gravity * (attached @ UPWARDS),
-                    )
-                )
-        carried = self.cable.carried[: OWN * len(self.nodes)]
+            self.elements.append(self.system.AddObject(element))
+        own = OWN * len(self.nodes)
         self.system.AddObject(
             ObjectGenericODE2(
                 nodeNumbers=self.numbers,
-                forceUserFunction=lambda mbs, t, item, q, v: -course.base(t) * carried,  # noqa: ARG005
+                massMatrix=_sparse(attached_mass(structure, self.nodes)),
+                dampingMatrix=_sparse(eta1 * self.cable.mass[:own, :own]),
+                forceVector=-structure.gravity * self.cable.carried[:own],
             )
         )
 
-    def clamp(self, stiffness: float) -> None:
-        """No displacement at the clamp, and no slope or a spring against it."""
-        for coordinate in (0, 1, 3):
+    def base_motion(self) -> None:
+        """Inertia against the base's acceleration: the coordinates are relative to the base."""
+        course, carried = self.cable.course, self.cable.carried[: OWN * len(self.nodes)]
+        self.system.AddObject(
+            ObjectGenericODE2(
+                nodeNumbers=self.numbers,
+                forceUserFunction=lambda mbs, t, item, q, v: -course.base_at(t, 2) * carried,  # noqa: ARG005
+            )
+        )
+
+    def clamp(self) -> None:
+        """No displacement at the clamp, and no slope or a spring against it, which is damped like the beam's own."""
+        structure = self.cable.plant.structure
+        spring, eta2 = structure.clamp_stiffness, structure.damping_scale * structure.rayleigh[1]
+        for coordinate in (0, 1, OWN - 1):
             marker = self.system.AddMarker(MarkerNodeCoordinate(nodeNumber=self.numbers[0], coordinate=coordinate))
             markers = [self.still, marker]
-            if coordinate == 3 and stiffness < inf:
-                self.system.AddObject(ObjectConnectorCoordinateSpringDamper(markerNumbers=markers, stiffness=stiffness))
+            if coordinate == OWN - 1 and spring < inf:
+                self.system.AddObject(
+                    ObjectConnectorCoordinateSpringDamper(
+                        markerNumbers=markers, stiffness=spring, damping=eta2 * spring
+                    )
+                )
             else:
                 self.system.AddObject(ObjectConnectorCoordinate(markerNumbers=markers))
 
     def law(self, port: Port, law: PortLaw) -> None:
         """All forces of a port, between the ground and the beam."""
         markers = [self.still, self._marker(port.position or 0.0, port.derivative)]
-        course = self.cable.course
+        course, absolute = self.cable.course, port.frame == "ground"
 
         def felt(mbs: Any, t: float, item: int, q: float, v: float, *rest: float) -> float:  # noqa: ARG001
+            if absolute:
+                q, v = q + course.base_at(t, 0), v + course.base_at(t, 1)
             return -law(0.0 if course.settling else t, q, v)
 
-        self.system.AddObject(ObjectConnectorCoordinateSpringDamper(markerNumbers=markers, springForceUserFunction=felt))
+        asked: Any = felt
+        self.system.AddObject(
+            ObjectConnectorCoordinateSpringDamper(markerNumbers=markers, springForceUserFunction=asked)
+        )
 
     def absorber(self, position: float, mass: float, coefficients: tuple[float, float]) -> None:
         """A small oscillator hanging on the beam."""
@@ -214,27 +203,28 @@ class _Builder:
         self.system.AddObject(Mass1D(physicsMass=mass, nodeNumber=own))
         marker = self.system.AddMarker(MarkerNodeCoordinate(nodeNumber=own, coordinate=0))
         markers = [self._marker(position, 0), marker]
+        spring, dashpot = coefficients
         self.system.AddObject(
-            ObjectConnectorCoordinateSpringDamper(
-                markerNumbers=markers, stiffness=coefficients[0], damping=coefficients[1]
-            )
+            ObjectConnectorCoordinateSpringDamper(markerNumbers=markers, stiffness=spring, damping=dashpot)
         )
         course, gravity = self.cable.course, self.cable.plant.structure.gravity
-        load = LoadCoordinate(markerNumber=marker, loadUserFunction=lambda mbs, t, load: -mass * (gravity + course.base(t)))  # noqa: ARG005
-        self.system.AddLoad(load)
 
-    def load(self, position: float, force: Motion) -> None:
-        """A force upwards."""
-        marker = self._marker(position, 0)
-        self.system.AddLoad(LoadCoordinate(markerNumber=marker, loadUserFunction=lambda mbs, t, load: force(t)))  # noqa: ARG005
+        def weight(mbs: Any, t: float, load: float) -> float:  # noqa: ARG001
+            return -mass * (gravity + course.base_at(t, 2))
+
+        self.system.AddLoad(LoadCoordinate(markerNumber=marker, loadUserFunction=weight))
+
+    def load(self, position: float, force: Any) -> None:
+        """A force upwards, as Exudyn asks for it."""
+        self.system.AddLoad(LoadCoordinate(markerNumber=self._marker(position, 0), loadUserFunction=force))
 
     def _marker(self, position: float, derivative: int) -> Any:
         """A node's coordinate where there is a node, else the displacement of a place within an element."""
         k = int(np.argmin(np.abs(self.nodes - position)))
         if abs(self.nodes[k] - position) < TOUCH * self.nodes[-1]:
-            coordinate = 3 if derivative else 1
+            coordinate = OWN - 1 if derivative else 1
             return self.system.AddMarker(MarkerNodeCoordinate(nodeNumber=self.numbers[k], coordinate=coordinate))
-        k, _ = _shape(self.nodes, position, 0)
+        k, _ = shape_at(self.nodes, position, 0)
         return self.system.AddMarker(
             MarkerBodiesRelativeTranslationCoordinate(
                 bodyNumbers=[self.ground, self.elements[k]],
@@ -245,66 +235,8 @@ class _Builder:
         )
 
 
-def axial_stiffness(structure: Structure) -> float:
-    """E A of a solid round section, N."""
-    return 16.0 * structure.bending_stiffness / structure.diameter**2
-
-
-def _shape(nodes: FloatArray, position: float, derivative: int) -> tuple[int, FloatArray]:
-    """Number of the element at a place, and its four cubic shapes, or their derivatives, there."""
-    k = int(np.clip(np.searchsorted(nodes, position, side="right") - 1, 0, len(nodes) - 2))
-    h = nodes[k + 1] - nodes[k]
-    return k, hermite((position - nodes[k]) / h, h, derivative)
-
-
-def both_ways(shape: FloatArray) -> FloatArray:
-    """(2, 8) displacements x and y of an element by its coordinates, from its four cubic shapes."""
-    rows = np.zeros((2, 2 * OWN))
-    rows[0, [0, 2, 4, 6]] = rows[1, [1, 3, 5, 7]] = shape
-    return rows
-
-
-def element_mass(structure: Structure, h: float) -> FloatArray:
-    """(8, 8) mass of an element of length h, m; kg."""
-    places, weights = np.polynomial.legendre.leggauss(OWN)
-    rows = [both_ways(hermite(0.5 * (s + 1.0), h, 0)) for s in places]
-    return np.asarray(0.5 * h * structure.line_mass * sum(w * r.T @ r for w, r in zip(weights, rows, strict=True)))
-
-
-def attached_mass(structure: Structure, nodes: FloatArray, k: int) -> FloatArray:
-    """(8, 8) mass of the points attached to element k, kg."""
-    total = np.zeros((2 * OWN, 2 * OWN))
-    for position, mass in structure.masses:
-        number, shape = _shape(nodes, position or 0.0, 0)
-        if number == k:
-            rows = both_ways(shape)
-            total += mass * rows.T @ rows
-    return total
-
-
-def _matrices(structure: Structure, nodes: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Mass, damping, stiffness of attached springs, and inertia against a moving base, of small motion."""
-    n, hung = OWN * len(nodes), structure.absorbers
-    mass, damping, attached = np.zeros((3, n + len(hung), n + len(hung)))
-    eta1, eta2 = (structure.damping_scale * eta for eta in structure.rayleigh)
-    places, weights = np.polynomial.legendre.leggauss(OWN)
-    for k, h in enumerate(np.diff(nodes)):
-        own = slice(OWN * k, OWN * (k + 2))
-        mass[own, own] += element_mass(structure, h) + attached_mass(structure, nodes, k)
-        for s, weight in zip(0.5 * (places + 1.0), 0.5 * h * weights, strict=True):
-            stretch, bend = both_ways(hermite(s, h, 1))[0], both_ways(hermite(s, h, 2))[1]
-            damping[own, own] += eta2 * weight * axial_stiffness(structure) * np.outer(stretch, stretch)
-            damping[own, own] += eta2 * weight * structure.bending_stiffness * np.outer(bend, bend)
-    damping += eta1 * mass
-    if structure.clamp_stiffness < inf:
-        attached[3, 3] = structure.clamp_stiffness
-    for number, absorber in enumerate(hung, start=n):
-        k, shape = _shape(nodes, absorber.position or 0.0, 0)
-        stretch = np.zeros(n + len(hung))
-        stretch[OWN * k + np.array([1, 3, 5, 7])], stretch[number] = -shape, 1.0
-        mass[number, number] = absorber.mass
-        spring, dashpot = absorber.coefficients
-        attached += spring * np.outer(stretch, stretch)
-        damping += dashpot * np.outer(stretch, stretch)
-    upwards = np.append(np.tile([0.0, 1.0, 0.0, 0.0], len(nodes)), np.ones(len(hung)))
-    return mass, damping, attached, mass @ upwards
+def _sparse(matrix: FloatArray) -> Any:
+    """As Exudyn keeps it."""
+    kept = exu.MatrixContainer()
+    kept.SetWithDenseMatrix(matrix, useDenseMatrix=False)
+    return kept

@@ -16,7 +16,7 @@ from models.plant import Plant
 from models.rest import RestState, find_rest
 from models.simulate import FORCE_TOLERANCE, load_of, steps_per_sample
 from models.simulators.driving import at_place, driven
-from models.simulators.protocol import Hold, Motion, Resolution, Simulator, Trial
+from models.simulators.protocol import EnergyBalance, Hold, Motion, Resolution, Simulator, Trial
 from models.simulators.recorded import Steps, recorded
 from models.step_tables import items_of, linear_of
 from models.stepping import Reading, march
@@ -48,7 +48,9 @@ class Modal(Simulator):
             f"steps of {1e6 / (trial.fs * factor):.3g} us, {factor} per sample"
             + ("" if resolution.steps_per_sample else AUTO_STEP),
         )
-        return recorded(plant, trial, factor, _moved(model, trial, factor, FORCE_TOLERANCE * load), model.ports, choices)
+        return recorded(
+            plant, trial, factor, _moved(model, trial, factor, FORCE_TOLERANCE * load), model.ports, choices
+        )
 
 
 AUTO_MODES = ": all modes below one and a half times the record's band"
@@ -82,14 +84,17 @@ def _moved(model: ModalModel, trial: Trial, factor: int, tolerance: float) -> St
     if base.shape[1]:
         moved, speed = moved - absolute[:, None] * base[0], speed - absolute[:, None] * base[1]
     stored = 0.5 * np.sum(traced.v**2 + (model.omega[:, None] * traced.q) ** 2, axis=0)
+    at, loss = slice(None, None, factor), np.asarray(-np.sum(traced.forces * speed, axis=0), float)
     return Steps(
         read=rows.reshape(-1, n) @ traced.q,
         motion=traced.place,
         forces=traced.forces,
-        stored=stored + items.rest_force @ moved,
-        supplied=cumulative_simpson(power, dx=h, initial=0.0),
-        damped=cumulative_simpson(np.sum(traced.v * (model.damping @ traced.v), axis=0), dx=h, initial=0.0),
-        taken=cumulative_trapezoid(-np.sum(traced.forces * speed, axis=0), dx=h, initial=0.0),
+        energy=EnergyBalance(
+            stored=(stored + items.rest_force @ moved)[at],
+            supplied=cumulative_simpson(power, dx=h, initial=0.0)[at],
+            damped=cumulative_simpson(np.sum(traced.v * (model.damping @ traced.v), axis=0), dx=h, initial=0.0)[at],
+            taken=cumulative_trapezoid(loss, dx=h, initial=0)[at],
+        ),
     )
 
 

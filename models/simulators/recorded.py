@@ -25,16 +25,13 @@ class Steps:
         read: (n_sensors, M) deflection, or slope, at the sensors from rest, m or rad.
         motion: (n_ports, M) place of the ports as their laws see it, m.
         forces: (n_forces, M) of each point force on the structure, the contacts' last, N.
-        stored, supplied, damped, taken: (M,) J, see ``EnergyBalance``.
+        energy: where it went, at the samples.
     """
 
     read: FloatArray
     motion: FloatArray
     forces: FloatArray
-    stored: FloatArray
-    supplied: FloatArray
-    damped: FloatArray
-    taken: FloatArray
+    energy: EnergyBalance
 
 
 def recorded(
@@ -56,9 +53,9 @@ def recorded(
     base = base_motion(plant, trial.excitation, trial.fs, factor, trial.free)[:3]
     if base.shape[1]:
         seen = record_channels(base, factor, trial.n_samples, trial.fs)
-        for row, sensor in zip(channels, plant.sensors, strict=True):
+        for number, sensor in enumerate(plant.sensors):
             if sensor.quantity != "angular_velocity":
-                row += seen[ORDER[sensor.quantity]]
+                channels[number] += seen[ORDER[sensor.quantity]]
     measurement = Measurement(tuple(sensor.name for sensor in plant.sensors), trial.fs, trial.free)
     for effect in plant.effects:
         channels = effect.change_channels(channels, measurement)
@@ -69,10 +66,7 @@ def recorded(
         for contact, row in zip(plant.contacts, place, strict=True)
     ]
     of_contacts = steps.forces[len(steps.forces) - len(plant.contacts) :]
-    at = slice(None, None, factor)
-    energy = EnergyBalance(steps.stored[at], steps.supplied[at], steps.damped[at], steps.taken[at])
-    fs = trial.fs * factor
-    return Motion(channels, fs, of_contacts, np.array(gaps).reshape(place.shape), energy, choices)
+    return Motion(channels, trial.fs * factor, of_contacts, np.array(gaps).reshape(place.shape), steps.energy, choices)
 
 
 def rate_of(place: FloatArray, fs: float) -> FloatArray:
