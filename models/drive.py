@@ -65,9 +65,7 @@ def true_drive(excitation: FloatArray, fs: float, plant: Plant, factor: int, fre
     return _shaken(_raise(excitation, fs, quantity, factor), len(excitation), fs, plant, factor, free)
 
 
-def _shaken(
-    drive: Drive, n_samples: int, fs: float, plant: Plant, factor: int, free: Mapping[str, float]
-) -> Drive:
+def _shaken(drive: Drive, n_samples: int, fs: float, plant: Plant, factor: int, free: Mapping[str, float]) -> Drive:
     """The drive with the base motion of the effects."""
     time = np.arange(n_samples * factor) / (fs * factor)
     shaken = [effect.base_acceleration(time, free) for effect in plant.effects]

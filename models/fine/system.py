@@ -9,8 +9,8 @@ from models.arrays import FloatArray
 from models.equilibrium import find_rest, forces_at
 from models.fine.finite_elements import FiniteElements, assemble
 from models.fine.mesh import place_nodes
-from models.point_forces import PointForce, Stretch, point_forces
 from models.plant import Plant
+from models.point_forces import PointForce, Stretch, point_forces
 from models.ports import Port
 
 

@@ -61,5 +61,5 @@ def test_a_cache_that_names_a_type_of_a_file_that_is_gone_is_not_read(tmp_path):
     assert run_in_a_new_process(tmp_path) == (20.0, False)
     (tmp_path / "shapes.py").rename(tmp_path / "forms.py")
     kept = (tmp_path / "caller.py").stat()
-    (tmp_path / "caller.py").write_text(SHAPED.format(source="from forms  import Shape", value=2.0)[:kept.st_size])
+    (tmp_path / "caller.py").write_text(SHAPED.format(source="from forms  import Shape", value=2.0)[: kept.st_size])
     assert run_in_a_new_process(tmp_path) == (20.0, False)
