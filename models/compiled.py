@@ -27,17 +27,18 @@ def compiled(function: Function) -> Function:
     dispatcher.enable_caching()
     # Numba has no public door to this stamp; where a version has none at all, nothing is cached.
     kept: Any = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
-    if not hasattr(kept, "_source_stamp"):
+    if not hasattr(kept, "_version"):
         return cast("Function", njit(**OPTIONS)(function))
-    kept._source_stamp = stamp_of(Path(function.__code__.co_filename).parent)  # noqa: SLF001
+    # The version is compared before the rest is read, which may name what no longer exists.
+    kept._version += " " + stamp_of(Path(function.__code__.co_filename).parent)  # noqa: SLF001
     return cast("Function", dispatcher)
 
 
 @cache
 def stamp_of(folder: Path) -> str:
-    """A digest of all files of a folder and of those through which compiled code calls laws."""
+    """A digest of all files of a folder and of those through which compiled code reads and calls laws."""
     own = Path(__file__)
     digest = sha256()
-    for file in (own, own.with_name("law_call.py"), *sorted(folder.glob("*.py"))):
+    for file in (own, own.with_name("law_call.py"), own.with_name("point_forces.py"), *sorted(folder.glob("*.py"))):
         digest.update(file.read_bytes())
     return digest.hexdigest()

@@ -48,13 +48,29 @@ def drive_of(record: Record, plant: Plant, factor: int, free: Mapping[str, float
         factor: steps per sample.
         free: the record's own parameters of the effects.
     """
-    measured = _measured(record, plant, factor)
-    time = np.arange(record.n_samples * factor) / (record.fs * factor)
+    return _shaken(_measured(record, plant, factor), record.n_samples, record.fs, plant, factor, free)
+
+
+def true_drive(excitation: FloatArray, fs: float, plant: Plant, factor: int, free: Mapping[str, float]) -> Drive:
+    """What drives a plant whose true excitation is known, not read from a channel.
+
+    Args:
+        excitation: (N,) at fs, in the unit of the plant's excitation; 0 for a plant without one.
+        fs: Hz.
+        plant: whose effects may shake the base.
+        factor: steps per sample.
+        free: the record's own parameters of the effects.
+    """
+    quantity = "force" if plant.excitation is None else plant.excitation.quantity
+    return _shaken(_raise(excitation, fs, quantity, factor), len(excitation), fs, plant, factor, free)
+
+
+def _shaken(drive: Drive, n_samples: int, fs: float, plant: Plant, factor: int, free: Mapping[str, float]) -> Drive:
+    """The drive with the base motion of the effects."""
+    time = np.arange(n_samples * factor) / (fs * factor)
     shaken = [effect.base_acceleration(time, free) for effect in plant.effects]
     present = [acceleration for acceleration in shaken if acceleration is not None]
-    if not present:
-        return measured
-    return _with_base(measured, np.sum(present, axis=0), record, factor)
+    return _with_base(drive, np.sum(present, axis=0), n_samples, fs, factor) if present else drive
 
 
 def _measured(record: Record, plant: Plant, factor: int) -> Drive:
@@ -83,10 +99,10 @@ def _raise(signal: FloatArray, fs: float, quantity: ExcitationQuantity, factor: 
     return Drive(None, held, motion[:2], motion[:, ::factor])
 
 
-def _with_base(measured: Drive, acceleration: FloatArray, record: Record, factor: int) -> Drive:
+def _with_base(measured: Drive, acceleration: FloatArray, n_samples: int, fs: float, factor: int) -> Drive:
     """The drive with an acceleration of the base, (M,), added; a recorder filters what its sensors see of it."""
-    motion = _integrated([acceleration], 1.0 / (record.fs * factor))
-    held, seen = _for_linear_hold(acceleration), record_channels(motion, factor, record.n_samples, record.fs)
+    motion = _integrated([acceleration], 1.0 / (fs * factor))
+    held, seen = _for_linear_hold(acceleration), record_channels(motion, factor, n_samples, fs)
     if measured.base is None or measured.seen is None:
         return Drive(measured.force, held, motion[:2], seen)
     return Drive(measured.force, measured.base + held, measured.base_motion + motion[:2], measured.seen + seen)

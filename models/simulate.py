@@ -106,7 +106,7 @@ def simulate(
     plant = _at_record(plant, record)
     model = build_modal(plant, STOP_EDGE * record.fs, settings.n_modes)
     sensors = _sensors_of(plant, record)
-    load = _load(model, drive_of(record, plant, 1, free or {}))
+    load = load_of(model, drive_of(record, plant, 1, free or {}))
     factor = settings.steps_per_sample or steps_per_sample(model, record.fs, load)
     drive = drive_of(record, plant, factor, free or {})
     fine, trace = _march(model, drive, record, factor, sensors, start, FORCE_TOLERANCE * load, settings.trace)
@@ -146,7 +146,7 @@ def _yielding(omega: FloatArray, h: float) -> FloatArray:
     return np.asarray(h**2 * (1.0 - np.sin(angle) / angle) / angle**2)
 
 
-def _load(model: ModalModel, drive: Drive) -> float:
+def load_of(model: ModalModel, drive: Drive) -> float:
     """Peak of what drives the model, as a force, and the forces at rest, N; 1 where there is none of both."""
     inertia = float(np.sum(model.carried**2))
     inputs = ((drive.force, 1.0), (drive.base, inertia))

@@ -11,9 +11,9 @@ from models.fine.course import Course
 from models.fine.desk import END, FORCE, LAW, RATE, START, Desk, Q, V, Z
 from models.fine.gauss import NODES
 from models.fine.newton import correct, faults
-from models.fine.point_forces import IS_CONTACT, Items
 from models.fine.stage_laws import lean, pressing, weigh
 from models.fine.tables import LEVELS, Tables
+from models.point_forces import IS_CONTACT, Items
 
 MAX_ITERATIONS = 30
 

@@ -136,11 +136,11 @@ def _row(nodes: FloatArray, dofs: IntArray, n: int, position: float, derivative:
     touching = np.flatnonzero((nodes[:-1] - near <= position) & (position <= nodes[1:] + near))
     for element in touching:
         h = nodes[element + 1] - nodes[element]
-        row[dofs[element]] += _shapes((position - nodes[element]) / h, h, derivative) / len(touching)
+        row[dofs[element]] += hermite((position - nodes[element]) / h, h, derivative) / len(touching)
     return row[:n]
 
 
-def _shapes(s: float, h: float, derivative: int) -> FloatArray:
+def hermite(s: float, h: float, derivative: int) -> FloatArray:
     """(4,) cubic shapes at the fraction s of an element of length h."""
     if derivative == 0:
         return np.array([1 - 3 * s**2 + 2 * s**3, h * s * (1 - s) ** 2, 3 * s**2 - 2 * s**3, h * s**2 * (s - 1)])

@@ -17,8 +17,8 @@ from models.fine.desk import (
     Z,
 )
 from models.fine.gauss import WEIGHTS
-from models.fine.point_forces import Items
 from models.fine.tables import Tables
+from models.point_forces import Items
 
 A11, A12, A21, A22 = (float(weight) for weight in WEIGHTS.ravel())
 

@@ -12,10 +12,10 @@ from models.errors import DivergenceError
 from models.fine.collocation import march
 from models.fine.course import Course, applied_force, base_motion
 from models.fine.desk import make_desk
-from models.fine.point_forces import Stretch, compile_items
 from models.fine.system import FineSystem, build_system
 from models.fine.tables import make_tables
 from models.plant import Plant
+from models.point_forces import Stretch, compile_items
 from models.rig import Sensor
 
 FORCE_TOLERANCE = 1e-10

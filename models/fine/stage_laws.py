@@ -2,8 +2,8 @@
 
 from models.compiled import compiled
 from models.fine.desk import BY_Q, BY_V, BY_Z, LAW, RATE, RATE_BY_Q, RATE_BY_V, RATE_BY_Z, Desk, Q, V, Z
-from models.fine.point_forces import BILATERAL, CLEARANCE, GROWTH, IS_CONTACT, OFFSET, Items
 from models.law_call import call_law
+from models.point_forces import BILATERAL, CLEARANCE, GROWTH, IS_CONTACT, OFFSET, Items
 
 NUDGE_Q, NUDGE_V, NUDGE_Z = 1e-9, 1e-7, 1e-7
 """For slopes of laws: m (times 1 + |q|), m/s and the internal state's unit."""

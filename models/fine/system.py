@@ -6,11 +6,11 @@ from math import sqrt
 import numpy as np
 
 from models.arrays import FloatArray
-from models.fine.equilibrium import find_rest, forces_at
+from models.equilibrium import find_rest, forces_at
 from models.fine.finite_elements import FiniteElements, assemble
 from models.fine.mesh import place_nodes
-from models.fine.point_forces import PointForce, Stretch, point_forces
 from models.plant import Plant
+from models.point_forces import PointForce, Stretch, point_forces
 from models.ports import Port
 
 

@@ -85,6 +85,22 @@ def spring_and_dashpot(t: float, q: float, v: float, z: float, p: Sequence[float
     return -p[0] * q - p[1] * v
 
 
+def closed_part(p: float, rate: float, h: float) -> tuple[float, float]:
+    """Share of a step h about now in which a contact is closed, and the mean penetration, m, in that part.
+
+    Args:
+        p: penetration now, m, negative where there is room.
+        rate: dp/dt, m/s, taken to stay.
+        h: s.
+    """
+    reach = 0.5 * h * abs(rate)
+    if p >= reach:
+        return 1.0, p
+    if p <= -reach:
+        return 0.0, 0.0
+    return 0.5 * (p + reach) / reach, 0.5 * (p + reach)
+
+
 def point_forces(plant: Plant) -> tuple[PointForce, ...]:
     """All point forces of a plant."""
     structure = plant.structure

@@ -1,10 +1,10 @@
-"""The state at rest of the fine model, found in its own coordinates."""
+"""The state at rest of a discretised plant, found in its own coordinates."""
 
 import numpy as np
 
 from models.arrays import FloatArray
 from models.errors import InputError
-from models.fine.point_forces import PointForce, Stretch
+from models.point_forces import PointForce, Stretch
 from models.ports import Port
 
 TOLERANCE = 1e-13
@@ -31,6 +31,7 @@ def find_rest(
     rows: FloatArray,
     ports: tuple[Port | Stretch, ...],
     forces: tuple[PointForce, ...],
+    origin: FloatArray | float = 0.0,
 ) -> FloatArray:
     """(n,) coordinates where omega^2 q = weight + rows' F, by Newton's method with step control.
 
@@ -40,18 +41,19 @@ def find_rest(
         rows: (n_ports, n) motion of the ports.
         ports: of the rows.
         forces: what acts there.
+        origin: (n_ports,) place of the ports at q = 0, m.
 
     Raises:
         InputError: none is found.
     """
 
     def slopes(q: FloatArray) -> FloatArray:
-        place = rows @ q
+        place = origin + rows @ q
         nudge = 1e-9 * (1.0 + np.abs(place))  # each law sees its own port only, so all are nudged at once
         return (forces_at(place + nudge, ports, forces) - forces_at(place, ports, forces)) / nudge
 
     def unbalance(q: FloatArray) -> FloatArray:
-        return np.asarray(weight + rows.T @ forces_at(rows @ q, ports, forces) - omega**2 * q)
+        return np.asarray(weight + rows.T @ forces_at(origin + rows @ q, ports, forces) - omega**2 * q)
 
     q = np.zeros(len(omega))
     held = np.abs(rows.T * slopes(q)).sum(axis=1)

@@ -1,0 +1,52 @@
+"""What drives a cable, as functions of time that Exudyn may ask for at any moment."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from models.arrays import FloatArray
+
+
+def _none() -> FloatArray:
+    return np.zeros(0)
+
+
+@dataclass(eq=False)
+class Course:
+    """The drive, straight between whole steps; while the state at rest is sought, only what holds the cable acts.
+
+    Attributes:
+        step: s.
+        force: (M,) N at every step; empty for none.
+        base: (3, M) displacement, velocity and acceleration of the base; (3, 0) where it stands still.
+        held: N where the cable is held until the motion begins.
+        settling: whether the state at rest is sought.
+    """
+
+    step: float = 1.0
+    force: FloatArray = field(default_factory=_none)
+    base: FloatArray = field(default_factory=lambda: np.zeros((3, 0)))
+    held: float = 0.0
+    settling: bool = True
+
+    def __post_init__(self) -> None:
+        self._force = self.force.tolist()
+        self._base = self.base.tolist()
+
+    @property
+    def base_moves(self) -> bool:
+        """Whether it does."""
+        return bool(self.base.shape[1])
+
+    def force_at(self, t: float) -> float:
+        """N at a time, s."""
+        return 0.0 if self.settling or not self._force else self._between(self._force, t)
+
+    def base_at(self, t: float, order: int) -> float:
+        """Displacement, velocity or acceleration of the base (order 0, 1, 2) at a time, s."""
+        return 0.0 if self.settling or not self.base_moves else self._between(self._base[order], t)
+
+    def _between(self, values: list[float], t: float) -> float:
+        place = t / self.step
+        k = min(max(int(place), 0), len(values) - 2)
+        return values[k] + (place - k) * (values[k + 1] - values[k])

@@ -1,0 +1,155 @@
+"""A cable at rest and in motion: Exudyn's static and implicit solvers, without files, without words."""
+
+import contextlib
+import io
+from math import inf
+from typing import Any, NamedTuple
+
+import exudyn as exu
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline
+
+from models.arrays import FloatArray
+from models.cable.matrices import OWN
+from models.cable.rig_cable import RigCable
+from models.errors import DivergenceError, InputError
+
+STATIC_STEPS = 2
+"""Solutions one after the other, each from where the one before ended; the last one polishes."""
+
+STATIC_TOLERANCE = 1e-6
+"""N, and share of the first residual; round-off from the axial stiffness begins a little below."""
+
+NEWTON_TOLERANCE = 1e-4
+"""Of Newton's iteration in time; Exudyn's own defaults lie below the round-off of its residual."""
+
+SPECTRAL_RADIUS = 0.9
+"""Of the generalised-alpha method at high frequencies."""
+
+LEAST_STEP = 1e-9
+"""s; smaller steps mean that the motion is lost."""
+
+ON_TIME = 1e-3
+"""Share of a step within which a time is that of a whole step; Exudyn takes smaller ones where Newton needs them."""
+
+
+class March(NamedTuple):
+    """Coordinates, velocities and forces at whole steps.
+
+    Attributes:
+        q, v: (M, n).
+        forces: (M, n_forces) on the structure, N, as Exudyn felt them.
+    """
+
+    q: FloatArray
+    v: FloatArray
+    forces: FloatArray
+
+
+def settle(cable: RigCable) -> FloatArray:
+    """Put the cable at rest; (n,) coordinates there.
+
+    Raises:
+        InputError: Exudyn finds no state at rest.
+    """
+    settings = _quiet(exu.SimulationSettings())
+    static = settings.staticSolver
+    static.numberOfLoadSteps, static.loadStepDuration = 1, LEAST_STEP  # time stands still
+    static.newton.relativeTolerance = static.newton.absoluteTolerance = STATIC_TOLERANCE
+    cable.course.settling = True
+    for _ in range(STATIC_STEPS):
+        if not _solved(lambda: cable.system.SolveStatic(settings, updateInitialValues=True, showHints=False)):
+            raise InputError(
+                "exudyn at rest: no equilibrium was found",
+                "the beam rests where gravity, sleeves and effects balance",
+                "look for a stiffness that is negative or an offset larger than the structure can reach",
+            )
+    return np.array(cable.system.systemData.GetODE2Coordinates())
+
+
+def march(cable: RigCable, n_steps: int, step: float) -> March:
+    """The motion from rest, or from where the cable is held, at ``n_steps + 1`` whole steps.
+
+    Args:
+        cable: settled.
+        n_steps: whole steps.
+        step: s; Exudyn may take smaller ones in between.
+
+    Raises:
+        DivergenceError: Exudyn gave up, or the motion left the finite numbers.
+    """
+    system, data = cable.system, cable.system.systemData
+    cable.course.settling = False
+    kept = [(0.0, *_begun(cable))]
+    busy = [law for law in cable.laws if law.has_states]
+
+    def keep(mbs: Any, t: float) -> bool:  # noqa: ARG001
+        for law in busy:
+            law.settle()
+        if t > 0.0:
+            kept.append((t, data.GetODE2Coordinates(), data.GetODE2Coordinates_t(), [law.felt for law in cable.laws]))
+        return True
+
+    system.SetPostStepUserFunction(keep)
+    done = _solved(lambda: system.SolveDynamic(_in_time(n_steps, step), showHints=False))
+    if not (done and all(np.isfinite(row).all() for row in kept[-1][1:3])):
+        raise DivergenceError(
+            f"exudyn: the motion was lost {kept[-1][0]:.4f} s after the start with steps of {step:.3g} s; take more "
+            "steps per sample (--steps), or look for a negative stiffness or damping among the effects"
+        )
+    order = [k for number in range(len(cable.ports)) for k in cable.of_port(number)]
+    forces = np.empty((len(kept), len(order)))
+    forces[:, order] = [[force for felt in row for force in felt] for *_, row in kept]
+    time, whole = np.array([t for t, *_ in kept]), step * np.arange(n_steps + 1)
+    moved = March(np.array([q for _, q, *_ in kept]), np.array([v for _, _, v, _ in kept]), forces)
+    if len(time) == len(whole) and np.abs(time - whole).max() < ON_TIME * step:
+        return moved
+    between = CubicHermiteSpline(time, moved.q, moved.v)
+    return March(between(whole), between(whole, 1), np.array([np.interp(whole, time, way) for way in forces.T]).T)
+
+
+def _begun(cable: RigCable) -> tuple[FloatArray, FloatArray, list[list[float]]]:
+    """Coordinates, velocities and forces at the first step, with laws that begin at rest."""
+    q = np.array(cable.system.systemData.GetODE2Coordinates())
+    for law, place in zip(cable.laws, (cable.port_rows @ q).tolist(), strict=True):
+        law.begin()
+        law(0.0, place, 0.0)
+    return q, np.zeros(len(q)), [law.felt for law in cable.laws]
+
+
+def natural_freqs(cable: RigCable, n: int) -> FloatArray:
+    """(n,) of small undamped motion about where the cable stands, Hz, from Exudyn's own tangent."""
+    held = [0, 1] if cable.plant.structure.clamp_stiffness < inf else [0, 1, OWN - 1]
+    freqs, _ = cable.system.ComputeODE2Eigenvalues(
+        constrainedCoordinates=held, ignoreAlgebraicEquations=True, convert2Frequencies=True, useSparseSolver=False
+    )
+    return np.asarray(np.sort(freqs)[:n])
+
+
+def _in_time(n_steps: int, step: float) -> Any:
+    settings = _quiet(exu.SimulationSettings())
+    time = settings.timeIntegration
+    time.numberOfSteps, time.endTime = n_steps, n_steps * step
+    time.minimumStepSize, time.adaptiveStep = LEAST_STEP, True
+    time.newton.useModifiedNewton = True
+    time.newton.relativeTolerance = time.newton.absoluteTolerance = NEWTON_TOLERANCE
+    time.generalizedAlpha.spectralRadius = SPECTRAL_RADIUS
+    time.generalizedAlpha.computeInitialAccelerations = True
+    settings.linearSolverType = exu.LinearSolverType.EigenSparse
+    return settings
+
+
+def _quiet(settings: Any) -> Any:
+    """Without files and without words."""
+    settings.solutionSettings.writeSolutionToFile = False
+    settings.timeIntegration.verboseMode = settings.staticSolver.verboseMode = 0
+    return settings
+
+
+def _solved(solve: Any) -> bool:
+    """Whether a solver of Exudyn came to its end; what it prints is dropped."""
+    with contextlib.redirect_stdout(io.StringIO()):
+        try:
+            return solve() is not False
+        except (ValueError, RuntimeError):  # "SolveDynamic terminated", or a law that met no number
+            return False

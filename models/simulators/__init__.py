@@ -1,0 +1,46 @@
+"""The simulators by name; an engine is loaded when it is asked for, since each takes a second or more to import."""
+
+from collections.abc import Mapping
+from difflib import get_close_matches
+from functools import cache
+from importlib import import_module
+
+from models.errors import InputError
+from models.simulators.protocol import Simulator
+
+SIMULATORS: Mapping[str, tuple[str, str]] = {
+    "modal": ("models.simulators.modal", "Modal"),
+    "mujoco": ("models.simulators.mujoco", "Mujoco"),
+    "exudyn": ("models.simulators.exudyn", "Exudyn"),
+}
+"""Module and class of each."""
+
+
+@cache
+def simulator(name: str) -> Simulator:
+    """One of the simulators.
+
+    Args:
+        name: a key of ``SIMULATORS``.
+
+    Raises:
+        InputError: there is none of that name, or its engine is not installed.
+    """
+    if name not in SIMULATORS:
+        near = get_close_matches(name, SIMULATORS, n=1, cutoff=0.0)[0]
+        raise InputError(
+            f"simulator = {name!r}", f"the simulators are {', '.join(SIMULATORS)}", f"did you mean {near!r}?"
+        )
+    module, owner = SIMULATORS[name]
+    try:
+        made: Simulator = getattr(import_module(module), owner)()
+    except ModuleNotFoundError as missing:
+        raise InputError(
+            f"simulator = {name!r}: the package {missing.name!r} is not installed",
+            f"{name} runs in its own engine",
+            "pip install -r requirements.lock",
+        ) from missing
+    return made
+
+
+__all__ = ["SIMULATORS", "Simulator", "simulator"]

@@ -1,0 +1,167 @@
+"""A virtual test by any simulator: what is done to the rig, and what comes back."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+
+from models.arrays import FloatArray
+from models.errors import InputError
+from models.plant import Plant
+
+
+@dataclass(frozen=True)
+class Hold:
+    """A static force that deflects the rig until the first sample, when it is let go.
+
+    Attributes:
+        position: m from the clamp.
+        force: N, positive upwards.
+    """
+
+    position: float
+    force: float
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """What is done to a rig.
+
+    Attributes:
+        fs: rate of the record, Hz.
+        excitation: (N,) true excitation in the SI unit of the rig's excitation, band-limited between the samples.
+        position: where the force acts, m from the clamp, if it is not where the rig says.
+        hold: what deflects the rig before the first sample, or None.
+        free: the record's own parameters of effects that have some (a phase), by name.
+    """
+
+    fs: float
+    excitation: FloatArray
+    position: float | None = None
+    hold: Hold | None = None
+    free: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def n_samples(self) -> int:
+        """Samples in each channel."""
+        return len(self.excitation)
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """How finely a simulator resolves the rig; None lets it choose, and it says what it chose and why.
+
+    Attributes:
+        n_parts: dynamic modes, segments or elements.
+        steps_per_sample: steps of the integrator per sample of the record.
+        rotary_inertia: whether the sections' own rotary inertia is counted, where the simulator can.
+    """
+
+    n_parts: int | None = None
+    steps_per_sample: int | None = None
+    rotary_inertia: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class EnergyBalance:
+    """Energy at each sample, from the first one on, J.
+
+    Attributes:
+        stored: (N,) in motion, bending and height.
+        supplied: (N,) work of the excitation.
+        damped: (N,) taken by the structure's own damping.
+        taken: (N,) taken by point laws and contacts; what their springs hold is part of it.
+    """
+
+    stored: FloatArray
+    supplied: FloatArray
+    damped: FloatArray
+    taken: FloatArray
+
+    @property
+    def fault(self) -> float:
+        """Largest energy that nobody accounts for, as a share of all that was stored at first and supplied since."""
+        left = self.stored - self.stored[0] + self.damped + self.taken - self.supplied
+        moved = np.abs(np.diff(self.supplied)).sum() + np.abs(np.diff(self.taken)).sum()
+        return float(np.abs(left).max() / max(moved, float(np.finfo(float).tiny)))
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """What a simulator answers.
+
+    Attributes:
+        channels: (n_sensors, N) in the order of the plant's sensors, SI, as recorded without noise.
+        fs: rate of forces and gaps, the simulator's own steps, Hz.
+        contact_forces: (n_contacts, M) N on the beam, positive upwards.
+        gaps: (n_contacts, M) m of room between beam and sleeve; negative where it is pressed in.
+        energy: where it went.
+        choices: what was chosen and why, one line each.
+    """
+
+    channels: FloatArray
+    fs: float
+    contact_forces: FloatArray
+    gaps: FloatArray
+    energy: EnergyBalance
+    choices: tuple[str, ...] = ()
+
+
+def beam_limits(plant: Plant) -> tuple[str, ...]:
+    """What neither the chain nor the cable carries of a plant, in words."""
+    structure = plant.structure
+    asked = {
+        "an oscillator (structure.kind), which needs no flexible beam": not structure.is_beam,
+        "an axial load": structure.axial_force != 0.0,
+        "a local loss of stiffness": bool(structure.hinges),
+        "one loss factor for all modes": structure.loss_factor is not None,
+        "a law on curvature": any(law.port.derivative > 1 for law in plant.laws),
+    }
+    return tuple(words for words, present in asked.items() if present)
+
+
+class Simulator(ABC):
+    """A way to move a rig; ``models.simulators.SIMULATORS`` holds one of each."""
+
+    name: ClassVar[str]
+    source: ClassVar[str]
+
+    @abstractmethod
+    def cannot_carry(self, plant: Plant) -> tuple[str, ...]:
+        """What the plant has and this simulator has not, in words; empty where it carries all of it."""
+
+    @abstractmethod
+    def natural_freqs(self, plant: Plant, n: int, resolution: Resolution) -> FloatArray:
+        """(n,) of small undamped motion about rest on the sleeves, Hz."""
+
+    @abstractmethod
+    def carry_out(self, plant: Plant, trial: Trial, resolution: Resolution) -> Motion:
+        """One test from rest, or from what a hold deflects.
+
+        Raises:
+            DivergenceError: the engine lost the motion; the message says what to change.
+            InputError: no state at rest is found.
+        """
+
+    def run(self, plant: Plant, trial: Trial, resolution: Resolution = Resolution()) -> Motion:
+        """One test, after a look at what the plant asks for.
+
+        Args:
+            plant: the rig with its effects.
+            trial: what is done to it.
+            resolution: how finely.
+
+        Raises:
+            InputError: the plant has something that this simulator cannot carry, or no state at rest.
+            DivergenceError: the engine lost the motion.
+        """
+        missing = self.cannot_carry(plant)
+        if missing:
+            raise InputError(
+                f"{self.name}: {missing[0]}",
+                f"the simulator {self.name} carries every point force, contact and change of the measurement, not this",
+                "leave it out or take another simulator (--with)",
+            )
+        return self.carry_out(plant, trial, resolution)
