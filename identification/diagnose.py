@@ -40,6 +40,9 @@ NOISE_REACHED = 1.15
 
 MOST_EFFECTS = 3
 
+MOST_ROUNDS = 5
+"""Of adding an effect and taking out what it made needless."""
+
 LEAST_SHARE = 0.25
 """An effect is added only if it takes away this share of the squared misfit beyond the noise."""
 
@@ -92,7 +95,9 @@ def diagnose(
     stages.append(_stage(session, "calibrated", base.hypothesis))
     _carry(session, base.hypothesis, seed)
     chain, rounds = [base], []
-    while len(chain[-1].hypothesis.effects) < MOST_EFFECTS and not _enough(chain[-1]):
+    for _ in range(MOST_ROUNDS):
+        if len(chain[-1].hypothesis.effects) >= MOST_EFFECTS or _enough(chain[-1]):
+            break
         ranked, better = _round(session, chain[-1])
         if better is not None and not chain[-1].hypothesis.effects:
             session.decide(f"a better calibration was found on the way: residual {better.ratio:.2f} times the noise")
@@ -114,6 +119,10 @@ def diagnose(
             chosen, chain = learnt, session.again(chain)
         chain.append(chosen)
         stages.append(_stage(session, f"+ {chosen.hypothesis.effects[-1].label()}", chosen.hypothesis))
+        for index, less in _pruned(session, chain[0], chosen):
+            stages.append(_stage(session, f"- {chain[-1].hypothesis.effects[index].label()}", less.hypothesis))
+            chain.append(less)
+            del rounds[index]
     verdict = _verdict(session, chain[0], chain[-1], rounds)
     final = chain[-1] if verdict == "missing_effect" else chain[0]
     return _result(session, given, stages, rounds, verdict, final, holdout, seed, began)
@@ -222,6 +231,29 @@ def _accept(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | None
     if not session.everything.timed and not is_linear(best.fit.hypothesis):
         session.decide(f"{name} is seen by its tangent at rest alone: {AT_REST_ONLY}")
     return _refined(session, best.fit)
+
+
+def _pruned(session: Session, calibrated: Fit, found: Fit) -> list[tuple[int, Fit]]:
+    """Effects that the last one has made needless, each with the fit without it, taken out one after the other."""
+    taken: list[tuple[int, Fit]] = []
+    index = 0
+    while index < len(found.hypothesis.effects) - 1:
+        less = _without(session, calibrated, found, index)
+        if 0.5 * (less.cost - found.cost) / max(1.0, found.ratio**2) < LEAST_EVIDENCE:
+            gone, last = found.hypothesis.effects[index].label(), found.hypothesis.effects[-1].label()
+            session.decide(f"{gone} taken out again: beside {last} it explains nothing more")
+            taken.append((index, less))
+            found = less
+        else:
+            index += 1
+    return taken
+
+
+def _without(session: Session, calibrated: Fit, found: Fit, index: int) -> Fit:
+    """The fit again without one of its effects."""
+    effects = found.hypothesis.effects
+    hypothesis = replace(found.hypothesis, effects=(*effects[:index], *effects[index + 1 :]))
+    return fit(session.fitting, hypothesis, (*calibrated.unknowns, *effect_unknowns(hypothesis)))
 
 
 def _refined(session: Session, result: Fit) -> Fit:

@@ -5,9 +5,10 @@ from dataclasses import replace
 
 from identification.calibrate import beginning, calibrate, concerning, pulled
 from identification.evaluate import Evaluator
-from identification.evidence import Ranked, misfit_in_common, with_evidence
+from identification.evidence import Ranked, misfit_in_common, reweighed, with_evidence
 from identification.fit import Fit, fit
 from identification.hypothesis import free_place, own_unknowns
+from identification.noise_left import NOISE_NEAR
 from identification.progress import Progress
 from identification.scene import GRID, places_of
 from identification.screen import Suspect, promising, screen, survey
@@ -18,6 +19,7 @@ from identification.sketch import (
     apart,
     by_share,
     heats,
+    is_alike,
     is_same_place,
     sketched_from_calibrated,
 )
@@ -54,17 +56,39 @@ def judge(
     sketches: list[Sketch] = []
     large, reached = base.ratio > LARGE, False
     for evaluator, there, registry in screening:
-        lasting = any(kind.family == "time" for kind in registry.values())
+        lasting = _is_lasting(registry)
         if lasting or not large:
-            found = promising(screen(evaluator, there, registry, progress), PER_KIND, _distance(base))
-            found = first_of_each_kind(found)[:MOST_LONG_SKETCHES]
-            progress(f"sketching {len(found)} suspects on {evaluator.extent}")
-            effects = [suspect.effect for suspect in found]
-            sketches += sketched_from_calibrated(evaluator, there, effects, registry, grown=not lasting)
+            sketches += _screened(evaluator, there, registry, progress)
             reached = any(sketch.fit.ratio < CLOSE_ENOUGH for sketch in sketches)
         if not lasting and (large or (pulled(base) and not reached)):
             sketches += _surveyed(evaluator, base, registry, progress)
-    return _finals(_best(sketches, FINALISTS, REFITS_PER_KIND), fitting, base, progress)
+    ranked = _finals(_best(sketches, FINALISTS, REFITS_PER_KIND), fitting, base, progress)
+    if not large or (ranked and ranked[0].fit.ratio < NOISE_NEAR):
+        return ranked
+    progress("the beginning of the records named nothing that reaches the noise; looking at longer ones")
+    others: list[Sketch] = []
+    for evaluator, there, registry in screening:
+        if not _is_lasting(registry):
+            others += _screened(evaluator, there, registry, progress)
+    new = [s for s in _best(others, FINALISTS, REFITS_PER_KIND) if not any(is_alike(s.fit, row.fit) for row in ranked)]
+    more = _finals(new, fitting, base, progress)
+    if not ranked:
+        return more
+    return _settled(fitting, reweighed(ranked, [row for row in (*ranked, *more) if row.refitted]), progress)
+
+
+def _is_lasting(registry: Registry) -> bool:
+    """Kinds that act over the length of a record, which its beginning does not show."""
+    return any(kind.family == "time" for kind in registry.values())
+
+
+def _screened(evaluator: Evaluator, there: Fit, registry: Registry, progress: Progress) -> list[Sketch]:
+    """Sketches of what could take most away beyond the rig's numbers, from the calibrated model on longer records."""
+    found = promising(screen(evaluator, there, registry, progress), PER_KIND, _distance(there))
+    found = first_of_each_kind(found)[:MOST_LONG_SKETCHES]
+    progress(f"sketching {len(found)} suspects on {evaluator.extent}")
+    effects = [suspect.effect for suspect in found]
+    return sketched_from_calibrated(evaluator, there, effects, registry, grown=not _is_lasting(registry))
 
 
 LARGE = 3.0

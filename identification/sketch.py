@@ -12,7 +12,7 @@ from identification.calibrate import beginning, concerning
 from identification.evaluate import Evaluator
 from identification.evidence import log_occam
 from identification.fit import Fit, fit
-from identification.hypothesis import Hypothesis, Unknown, own_unknowns
+from identification.hypothesis import Hypothesis, Unknown, free_place, own_unknowns
 from identification.progress import silent
 from identification.scene import NEAR
 from identification.screen import Projection, promising, survey
@@ -135,20 +135,31 @@ def by_share(sketches: Sequence[Sketch]) -> list[Sketch]:
 
 
 def apart(sketches: Sequence[Sketch]) -> list[Sketch]:
-    """The sketches without those that ended where a better one of the same kind already is."""
+    """The sketches without those that ended where a better one of the same kind already is.
+
+    Of a sleeve and a position beside it the position is kept: a fit can bring it to the sleeve, but not the other way.
+    """
     kept: list[Sketch] = []
     for sketch in sketches:
-        if not any(_same_place(sketch, other) for other in kept):
+        alike = next((i for i, other in enumerate(kept) if is_alike(sketch.fit, other.fit)), None)
+        if alike is None:
             kept.append(sketch)
+        elif kept[alike].effect.place.sleeve is not None and free_place(sketch.effect):
+            kept[alike] = sketch
     return kept
 
 
-def _same_place(one: Sketch, other: Sketch) -> bool:
-    """Fits of one kind that ended at the same place along the beam, with the same options."""
-    effect, rival = one.effect, other.effect
+def is_alike(one: Fit, other: Fit) -> bool:
+    """Whether the last effects of two fits are of one kind, with the same options, at the same place.
+
+    Args:
+        one: a fit.
+        other: of the same rig.
+    """
+    effect, rival = one.hypothesis.effects[-1], other.hypothesis.effects[-1]
     if effect.kind != rival.kind or any(getattr(effect, key) != getattr(rival, key) for key in effect.options):
         return False
-    return is_same_place(effect.place, rival.place, one.fit.hypothesis.rig)
+    return is_same_place(effect.place, rival.place, one.hypothesis.rig)
 
 
 def is_same_place(here: Place, there: Place, rig: Rig) -> bool:

@@ -96,6 +96,7 @@ class Motion:
         channels: (n_sensors, N) in the order of the plant's sensors, SI, as recorded without noise.
         fs: rate of forces and gaps, the simulator's own steps, Hz.
         contact_forces: (n_contacts, M) N on the beam, positive upwards.
+        places: (n_contacts, M) m, of the beam in each sleeve, from its unloaded axis.
         gaps: (n_contacts, M) m of room between beam and sleeve; negative where it is pressed in.
         energy: where it went.
         choices: what was chosen and why, one line each.
@@ -104,6 +105,7 @@ class Motion:
     channels: FloatArray
     fs: float
     contact_forces: FloatArray
+    places: FloatArray
     gaps: FloatArray
     energy: EnergyBalance
     choices: tuple[str, ...] = ()
@@ -157,6 +159,18 @@ class Simulator(ABC):
             InputError: the plant has something that this simulator cannot carry, or no state at rest.
             DivergenceError: the engine lost the motion.
         """
+        self.check(plant)
+        return self.carry_out(plant, trial, resolution)
+
+    def check(self, plant: Plant) -> None:
+        """Refuse what this simulator cannot carry, by name.
+
+        Args:
+            plant: the rig with its effects.
+
+        Raises:
+            InputError: the first thing.
+        """
         missing = self.cannot_carry(plant)
         if missing:
             raise InputError(
@@ -164,4 +178,3 @@ class Simulator(ABC):
                 f"the simulator {self.name} carries every point force, contact and change of the measurement, not this",
                 "leave it out or take another simulator (--with)",
             )
-        return self.carry_out(plant, trial, resolution)

@@ -66,7 +66,9 @@ def recorded(
         for contact, row in zip(plant.contacts, place, strict=True)
     ]
     of_contacts = steps.forces[len(steps.forces) - len(plant.contacts) :]
-    return Motion(channels, trial.fs * factor, of_contacts, np.array(gaps).reshape(place.shape), steps.energy, choices)
+    shape = place.shape
+    fs = trial.fs * factor
+    return Motion(channels, fs, of_contacts, place, np.array(gaps).reshape(shape), steps.energy, choices)
 
 
 def rate_of(place: FloatArray, fs: float) -> FloatArray:

@@ -9,7 +9,7 @@ from typer.main import get_command
 
 from models.errors import InputError
 from testbed import __version__
-from testbed.cli import add, check, compare, demo, diagnose, frf, history, modes, undo
+from testbed.cli import add, check, compare, demo, diagnose, frf, history, modes, simulate, undo
 
 app = typer.Typer(name="testbed", add_completion=False, pretty_exceptions_enable=False)
 
@@ -23,6 +23,7 @@ for module, command in (
     (undo, undo.undo),
     (modes, modes.modes),
     (frf, frf.frf),
+    (simulate, simulate.simulate),
 ):
     app.command(epilog=module.EXAMPLE)(command)
 

@@ -9,16 +9,16 @@ from pydantic import Field, ValidationError
 
 from models.errors import InputError
 from models.rig import EffectEntry, NonNegative, Part, Positive
+from testbed.virtual.excitations import Lines
 
 Count = Annotated[int, Field(ge=1, strict=True)]
-Lines = Literal["full", "odd", "odd_detection"]
 
 
 class Multisine(Part):
     """Periods of a sum of sines of random phase; ``rms`` may be a list of levels, each a record.
 
-    ``lines``: all of a period's spectrum, the odd ones, or the odd ones without one of each four, drawn at random, where
-    odd distortion then shows.
+    ``lines``: all of a period's spectrum, the odd ones, or the odd ones without one of each four, drawn at random,
+    where odd distortion then shows.
     """
 
     kind: Literal["multisine"]
@@ -101,8 +101,8 @@ AnyExcitation = Multisine | Sweep | SteppedSine | Hammer | RovingHammer | Releas
 class SensorTable(Part):
     """A sensor as it is bought and mounted; what is not given is that of the preset, or ideal.
 
-    Units: ``noise_density`` in the sensor's SI unit per root hertz, ``range`` in its SI unit, ``resonance`` in Hz on its
-    mount, ``mass`` in kg with its cable on the beam, ``position_error`` in m, ``gain_error`` as a fraction.
+    Units: ``noise_density`` in the sensor's SI unit per root hertz, ``range`` in its SI unit, ``resonance`` in Hz on
+    its mount, ``mass`` in kg with its cable on the beam, ``position_error`` in m, ``gain_error`` as a fraction.
     """
 
     preset: str | None = None
@@ -162,40 +162,42 @@ def read_experiment(path: Path) -> Experiment:
         raise _fault(error, path.name) from error
 
 
+EXCITATIONS: dict[str, type[Part]] = {
+    "multisine": Multisine,
+    "sweep": Sweep,
+    "stepped_sine": SteppedSine,
+    "hammer": Hammer,
+    "roving_hammer": RovingHammer,
+    "release": Release,
+    "free_decay": FreeDecay,
+}
+
+LOOK = "docs/experiments.md lists the keys and their units"
+
+
 def _fault(error: ValidationError, file: str) -> InputError:
     """The first problem in three parts."""
     first = error.errors()[0]
-    kinds = {part.model_fields["kind"].annotation.__args__[0] for part in AnyExcitation.__args__}  # type: ignore[union-attr, attr-defined]
-    keys = [str(key) for key in first["loc"] if key not in kinds]
+    keys = [str(key) for key in first["loc"] if key not in EXCITATIONS]
     where = f"{file}: {'.'.join(keys)}"
     if first["type"] == "extra_forbidden":
         known = _keys_beside(first["loc"])
         near = get_close_matches(keys[-1], known, n=1)
-        return InputError(
-            where, f"the keys here are {', '.join(known)}", f"did you mean {near[0]}?" if near else "remove it"
-        )
+        mend = f"did you mean {near[0]}?" if near else "remove it"
+        return InputError(where, f"the keys here are {', '.join(known)}", mend)
     if first["type"] == "missing":
-        return InputError(
-            f"{where} is missing", "it has no default", f"add {keys[-1]}; docs/experiments.md lists the keys"
-        )
+        return InputError(f"{where} is missing", "it has no default", f"add {keys[-1]}; {LOOK}")
     if first["type"].startswith("union_tag"):
-        return InputError(
-            f"{where}: {first.get('ctx', {}).get('tag', 'no kind')}",
-            f"a kind is one of {', '.join(sorted(kinds))}",
-            "choose one of them",
-        )
-    return InputError(
-        f"{where} = {first['input']!r}",
-        first["msg"][0].lower() + first["msg"][1:],
-        "docs/experiments.md lists the keys and their units",
-    )
+        kind = first.get("ctx", {}).get("tag", "none")
+        return InputError(f"{where}.kind = {kind}", f"a kind is one of {', '.join(EXCITATIONS)}", "choose one of them")
+    return InputError(f"{where} = {first['input']!r}", first["msg"][0].lower() + first["msg"][1:], LOOK)
 
 
 def _keys_beside(place: tuple[Any, ...]) -> list[str]:
     """Keys that are known in the table of an unknown one."""
-    part: Any = Experiment
-    if place[0] == "excitation" and len(place) > 1:
-        part = next(p for p in AnyExcitation.__args__ if place[1] in p.model_fields["kind"].annotation.__args__)  # type: ignore[attr-defined]
+    part: type[Part] = Experiment
+    if place[0] == "excitation":
+        part = EXCITATIONS[place[1]]
     elif place[0] == "sensors":
         part = SensorTable
     elif place[0] == "truth":

@@ -44,7 +44,7 @@ def virtual_record(
         DivergenceError, InputError: see ``models.fine.fine_response``.
     """
     plant, settings = build_plant(rig, effects), settings or FineSettings()
-    free = {**_drawn(plant, rng), **settings.free}
+    free = {**drawn(plant, rng), **settings.free}
     settings = FineSettings(settings.n_elements, settings.steps_per_sample, settings.bend_tolerance, free)
     channels = fine_response(plant, excitation, fs, settings)
     reading = record_channels(as_read(plant, excitation)[None], 1, len(excitation), fs)[0]
@@ -86,13 +86,9 @@ def as_read(plant: Plant, excitation: FloatArray) -> FloatArray:
     return np.asarray(reading)
 
 
-def _drawn(plant: Plant, rng: np.random.Generator) -> dict[str, float]:
+def drawn(plant: Plant, rng: np.random.Generator) -> dict[str, float]:
     """A value for each of the record's own parameters, even over its bounds, or normal where it has none."""
-    drawn = {}
-    for effect in plant.effects:
-        for name, about in effect.record_parameters.items():
-            drawn[name] = _draw(about, rng)
-    return drawn
+    return {name: _draw(about, rng) for effect in plant.effects for name, about in effect.record_parameters.items()}
 
 
 def _draw(about: Parameter, rng: np.random.Generator) -> float:

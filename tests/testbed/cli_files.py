@@ -65,11 +65,12 @@ FILM = SqueezeFilm(Place(sleeve="sleeve 2", position=1.0), damping=40.0)
 
 
 def make_files(folder: Path) -> Path:
-    """``rig.toml`` without the grease, ``sweep.csv`` and ``burst.csv`` with it and a little noise."""
+    """``rig.toml`` without the grease, ``sweep.csv`` and ``burst.csv`` with it and a little noise, ``experiment.toml``."""
     (folder / "rig.toml").write_text(RIG_TOML)
     rig = read_rig(folder / "rig.toml")
     for seed, name in enumerate(("sweep.csv", "burst.csv")):
         write_record(made_record(rig, name, seed), rig, folder / name)
+    (folder / "experiment.toml").write_text('fs = 512.0\n[excitation]\nkind = "sweep"\nhigh = 150.0\nduration = 0.5\n')
     return folder
 
 

@@ -9,7 +9,7 @@ import pytest
 from models.errors import DivergenceError
 from testbed.cli.app import main
 
-COMMANDS = ("demo", "check", "compare", "diagnose", "add", "history", "undo", "modes", "frf")
+COMMANDS = ("demo", "check", "compare", "diagnose", "add", "history", "undo", "modes", "frf", "simulate")
 RIG = Path(__file__).parents[1] / "data" / "reference_rig.toml"
 
 

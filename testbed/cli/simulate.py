@@ -1,0 +1,64 @@
+"""``testbed simulate``: a virtual test with virtual sensors."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from testbed.cli.options import AsJson, Jobs, Out, RigFile, out_folder
+from testbed.cli.progress import progress
+
+EXAMPLE = "Example: testbed simulate rig.toml multisine.toml --with mujoco --out records"
+
+ExperimentFile = Annotated[
+    Path,
+    typer.Argument(metavar="EXPERIMENT", help="Experiment (TOML); see docs/experiments.md.", show_default=False),
+]
+With = Annotated[str, typer.Option("--with", metavar="NAME", help="Simulator: modal, mujoco or exudyn.")]
+Format = Annotated[Literal["uff", "h5"], typer.Option("--format", help="Of the records.")]
+Parts = Annotated[
+    int | None,
+    typer.Option("--parts", min=4, help="Modes, segments or elements; chosen and explained unless given."),
+]
+Steps = Annotated[
+    int | None, typer.Option("--steps", min=1, help="Steps per sample; chosen and explained unless given.")
+]
+
+
+def simulate(
+    rig: RigFile,
+    experiment: ExperimentFile,
+    *,
+    using: With = "modal",
+    out: Out = None,
+    form: Format = "uff",
+    parts: Parts = None,
+    steps: Steps = None,
+    jobs: Jobs = 2,
+    as_json: AsJson = False,
+) -> None:
+    """Carry out a virtual test: records, truth.toml, simulation.json and figures of the contacts."""
+    folder = out_folder(out, experiment)
+    with progress() as tell:
+        from models.simulators.protocol import Resolution
+        from testbed.simulate_run import Order, run_experiment
+
+        order = Order(rig, experiment, using, Resolution(parts, steps), f".{form}")
+        content = run_experiment(order, folder, jobs=jobs, progress=tell)
+    from testbed.cli.tables import print_json, print_table, say
+
+    if as_json:
+        print_json(content)
+        return
+    for choice in content["records"][0]["choices"]:
+        say(f"{using}: {choice}")
+    rows = [
+        (row["record"], c["sleeve"], c["impacts"], c["share_closed"], c["largest_force"], 1e3 * c["deepest"])
+        for row in content["records"]
+        for c in row["contacts"]
+    ]
+    heads = ("record", "sleeve", "impacts", "share closed", "largest force [N]", "deepest [mm]")
+    print_table(heads, rows, "in the sleeves")
+    worst = max(row["energy_fault"] for row in content["records"])
+    say(f"energy that nobody accounts for: {worst:.2g} of what was moved, at most")
+    say(f"written: {len(content['records'])} records, {folder}/truth.toml, simulation.json and figures")

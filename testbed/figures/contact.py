@@ -1,0 +1,48 @@
+"""What happened in the sleeves: the beam between their walls, and the forces there."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from models.arrays import FloatArray
+from models.plant import Plant
+from models.simulators.protocol import Motion
+
+WALL, BEAM, PUSH = "0.75", "#1f5a96", "#b3471d"
+WINDOW = 0.4
+"""Seconds about the largest force that are drawn."""
+
+
+def contact_figure(motion: Motion, plant: Plant, title: str) -> Figure:
+    """For each sleeve the beam in its gap over time, with the force on it, about the largest force.
+
+    Args:
+        motion: finished.
+        plant: whose sleeves they are.
+        title: above.
+    """
+    n, half = motion.gaps.shape[1], round(0.5 * WINDOW * motion.fs)
+    peak = int(np.argmax(np.abs(motion.contact_forces).max(axis=0)))
+    first = max(0, min(peak - half, n - 2 * half))
+    part = slice(first, min(n, first + 2 * half))
+    figure = Figure(figsize=(9.0, 2.6 * len(plant.contacts) + 0.6), layout="constrained")
+    axes = figure.subplots(len(plant.contacts), 1, sharex=True, squeeze=False)[:, 0]
+    time = np.arange(n)[part] / motion.fs
+    for ax, contact, place, force in zip(axes, plant.contacts, motion.places, motion.contact_forces, strict=True):
+        _draw(ax, time, 1e3 * place[part], force[part], 1e3 * contact.clearance, 1e3 * contact.offset)
+        ax.set_title(f"{contact.sleeve}, {contact.position:.3g} m", loc="left", fontsize=10)
+    axes[-1].set_xlabel("time [s]")
+    figure.suptitle(f"{title}: in the sleeves about the largest force", fontsize=11)
+    return figure
+
+
+def _draw(ax: object, time: FloatArray, place: FloatArray, force: FloatArray, clearance: float, offset: float) -> None:
+    from matplotlib.axes import Axes
+
+    assert isinstance(ax, Axes)
+    for side in (-1.0, 1.0):
+        ax.axhline(offset + side * clearance, color=WALL, linewidth=1.5)
+    ax.plot(time, place, color=BEAM, linewidth=1.0)
+    ax.set_ylabel("beam [mm]", color=BEAM)
+    other = ax.twinx()
+    other.fill_between(time, force, color=PUSH, alpha=0.35, linewidth=0.0)
+    other.set_ylabel("force on it [N]", color=PUSH)

@@ -1,0 +1,184 @@
+"""A virtual experiment over files: records, the truth in a file of its own, what the simulator did, and pictures."""
+
+import hashlib
+import json
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tomlkit
+
+from identification.progress import Progress
+from models.effects import entry_of
+from models.plant import Plant
+from models.rig_file import read_rig
+from models.simulators import simulator
+from models.simulators.protocol import Motion, Resolution
+from testbed import __version__
+from testbed.figures.contact import contact_figure
+from testbed.figures.save import save
+from testbed.inputs import sha256
+from testbed.outputs import json_text, staged
+from testbed.records.write import write_record
+from testbed.virtual.campaign import Run, runs_of
+from testbed.virtual.experiment import Experiment, read_experiment
+from testbed.virtual.laboratory import Laboratory, carry_out, laboratory_of
+
+Json = dict[str, Any]
+
+TRUTH, SIMULATION = "truth.toml", "simulation.json"
+
+
+@dataclass(frozen=True)
+class Order:
+    """What was asked for.
+
+    Attributes:
+        rig_path: the rig file.
+        experiment_path: the experiment.
+        simulator: by name.
+        resolution: how finely.
+        suffix: of the records.
+    """
+
+    rig_path: Path
+    experiment_path: Path
+    simulator: str
+    resolution: Resolution
+    suffix: str
+
+    def digest(self) -> str:
+        """By which a run that was stopped is known again."""
+        asked = [__version__, sha256(self.rig_path), sha256(self.experiment_path), self.simulator, self.resolution]
+        return hashlib.sha256(repr(asked).encode()).hexdigest()
+
+
+def run_experiment(order: Order, out: Path, *, jobs: int, progress: Progress) -> Json:
+    """Carry out an experiment, each record written as it is done; records that are there already are kept.
+
+    Args:
+        order: what was asked for.
+        out: folder of the results.
+        jobs: processes.
+        progress: told what is being done.
+
+    Returns:
+        the content of ``simulation.json``.
+
+    Raises:
+        InputError: a rig, an experiment or a simulator that do not fit together, or a folder that cannot be written.
+        ArithmeticError: the motion left the finite numbers.
+    """
+    rig, experiment = read_rig(order.rig_path), read_experiment(order.experiment_path)
+    runs, laboratory = runs_of(experiment, rig), laboratory_of(experiment, rig)
+    simulator(order.simulator).check(laboratory.plant())
+    known = _known(out, order)
+    todo = [number for number, run in enumerate(runs) if run.name not in known]
+    if len(todo) < len(runs):
+        progress(f"{len(runs) - len(todo)} of {len(runs)} records were there already; kept")
+    for done, (number, row) in enumerate(_carried_out(order, todo, out, jobs), start=1):
+        known[runs[number].name] = row
+        with staged(out) as stage:
+            content = _content(order, [known[run.name] for run in runs if run.name in known])
+            (stage / SIMULATION).write_text(json_text(content), encoding="utf-8")
+        progress(
+            f"{done} of {len(todo)}: {row['record']}, {row['seconds_of_motion']:.3g} s of motion; {row['choices'][-1]}"
+        )
+    with staged(out) as stage:
+        (stage / TRUTH).write_text(tomlkit.dumps(_truth(laboratory, experiment, order)), encoding="utf-8")
+    return _content(order, [known[run.name] for run in runs])
+
+
+def _known(out: Path, order: Order) -> dict[str, Json]:
+    """Rows of the records that an earlier run of the same order left whole."""
+    try:
+        content = json.loads((out / SIMULATION).read_text(encoding="utf-8"))
+        rows = content["records"] if content["order"] == order.digest() else []
+        files = [(row, out / row["record"]) for row in rows]
+        return {file.stem: row for row, file in files if file.is_file() and sha256(file) == row["sha256"]}
+    except (OSError, ValueError, KeyError, TypeError):
+        return {}
+
+
+def _content(order: Order, rows: Sequence[Json]) -> Json:
+    return {
+        "simulator": order.simulator,
+        "rig": order.rig_path.name,
+        "experiment": order.experiment_path.name,
+        "order": order.digest(),
+        "records": list(rows),
+    }
+
+
+def _carried_out(order: Order, todo: Sequence[int], out: Path, jobs: int) -> Iterator[tuple[int, Json]]:
+    """Number and row of each run as it is done, in this process where there is one only."""
+    if jobs == 1 or len(todo) < 2:
+        yield from ((number, one_run(order, number, out)) for number in todo)
+        return
+    with ProcessPoolExecutor(min(jobs, len(todo)), mp_context=get_context("spawn")) as pool:
+        running = {pool.submit(one_run, order, number, out): number for number in todo}
+        for future in as_completed(running):
+            yield running[future], future.result()
+
+
+def one_run(order: Order, number: int, out: Path) -> Json:
+    """Carry out one run and write its record and picture.
+
+    Args:
+        order: what was asked for.
+        number: of the run.
+        out: folder of the results.
+    """
+    rig, experiment = read_rig(order.rig_path), read_experiment(order.experiment_path)
+    run, laboratory = runs_of(experiment, rig)[number], laboratory_of(experiment, rig)
+    record, motion = carry_out(laboratory, run, number, order.simulator, order.resolution)
+    file = f"{run.name}{order.suffix}"
+    with staged(out) as stage:
+        write_record(record, rig, stage / file)
+        if motion.gaps.size:
+            save(contact_figure(motion, laboratory.plant(), run.name), stage / "figures", run.name)
+    return {"record": file, "sha256": sha256(out / file), **_row(run, motion, laboratory.plant())}
+
+
+def _row(run: Run, motion: Motion, plant: Plant) -> Json:
+    """What the simulator did, in numbers."""
+    closed = motion.gaps < 0.0
+    contacts = [
+        {
+            "sleeve": contact.sleeve,
+            "share_closed": float(shut.mean()),
+            "impacts": int(np.sum(shut[1:] & ~shut[:-1])),
+            "largest_force": float(np.abs(force).max()),
+            "deepest": float(max(0.0, -gap.min())),
+        }
+        for contact, shut, force, gap in zip(plant.contacts, closed, motion.contact_forces, motion.gaps, strict=True)
+    ]
+    return {
+        "seconds_of_motion": run.trial.n_samples / run.trial.fs,
+        "choices": list(motion.choices),
+        "energy_fault": motion.energy.fault,
+        "contacts": contacts,
+    }
+
+
+def _truth(laboratory: Laboratory, experiment: Experiment, order: Order) -> tomlkit.TOMLDocument:
+    """What was really tested, for whoever wants to see how close a diagnosis came."""
+    document = tomlkit.document()
+    document.add(tomlkit.comment("What these records were made with. No command but this one's author reads it."))
+    document.add("simulator", tomlkit.item(order.simulator))
+    document.add("seed", tomlkit.item(experiment.seed))
+    numbers = {p.path: float(f"{p.value:.8g}") for p in laboratory.built.parameters()}
+    document.add("parameters", tomlkit.item(numbers))
+    places = {s.name: s.position for s in laboratory.built.sensors if s.position is not None}
+    document.add("sensor_positions", tomlkit.item(places))
+    document.add("effects", tomlkit.item([_table(entry_of(effect)) for effect in laboratory.hidden]))
+    return document
+
+
+def _table(entry: Any) -> Json:
+    content: Json = entry.model_dump(exclude_none=True)
+    return {key: list(value) if isinstance(value, tuple) else value for key, value in content.items()}

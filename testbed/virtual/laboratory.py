@@ -1,0 +1,134 @@
+"""Carrying out the runs of an experiment: the rig as built, a simulator, sensors as bought, and records of it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+
+import numpy as np
+
+from models.band_limit import record_channels
+from models.effects import EFFECTS, Effect, build_effect
+from models.effects.point_mass import PointMass
+from models.effects.protocol import Place
+from models.errors import InputError
+from models.plant import Plant, build_plant
+from models.record import Record
+from models.rig import Beam, Rig
+from models.simulators import simulator
+from models.simulators.protocol import Motion, Resolution
+from testbed.virtual.as_built import perturbed
+from testbed.virtual.bought import Bought, bought
+from testbed.virtual.campaign import Run, excitation_seen
+from testbed.virtual.experiment import Experiment, SensorTable
+from testbed.virtual.virtual_record import as_read, drawn
+
+
+@dataclass(frozen=True)
+class Laboratory:
+    """What is really there.
+
+    Attributes:
+        rig: as its owner describes it.
+        built: with its true numbers and its sensors where they really sit.
+        hidden: effects that nobody mentioned, the masses of sensors among them.
+        sensors: as bought, by name.
+        force: the excitation's own sensor.
+        seed: of noise and of what every record has for itself.
+    """
+
+    rig: Rig
+    built: Rig
+    hidden: tuple[Effect, ...]
+    sensors: dict[str, Bought]
+    force: Bought
+    seed: int
+
+    def plant(self) -> Plant:
+        """What moves."""
+        return build_plant(self.built, self.hidden)
+
+
+def laboratory_of(experiment: Experiment, rig: Rig) -> Laboratory:
+    """The truth of an experiment.
+
+    Args:
+        experiment: as its file describes it.
+        rig: as its owner describes it.
+
+    Raises:
+        InputError: a sensor or an effect that the rig does not have.
+    """
+    rng = np.random.default_rng([experiment.seed, 1])
+    tables = dict(experiment.sensors)
+    common, force = tables.pop("all", None), tables.pop("excitation", None)
+    _check_names(tables, rig)
+    sensors = {s.name: bought(tables.get(s.name, common), f"sensors.{s.name}") for s in rig.sensors}
+    built = perturbed(rig, rng) if experiment.truth.perturbed else rig
+    moved = [
+        s if s.position is None else s.model_copy(update={"position": s.position + sensors[s.name].position_error})
+        for s in rig.sensors
+    ]
+    hidden = [build_effect(entry, rig, EFFECTS) for entry in experiment.truth.effects]
+    if isinstance(rig.structure, Beam):
+        hidden += [
+            PointMass(Place(position=s.position), mass=sensors[s.name].mass)
+            for s in moved
+            if sensors[s.name].mass > 0.0 and s.position
+        ]
+    built = built.model_copy(update={"sensors": tuple(moved)})
+    return Laboratory(rig, built, tuple(hidden), sensors, bought(force, "sensors.excitation"), experiment.seed)
+
+
+def _check_names(tables: Mapping[str, SensorTable], rig: Rig) -> None:
+    known = [sensor.name for sensor in rig.sensors]
+    for name in tables:
+        if name not in known:
+            near = get_close_matches(name, known, n=1, cutoff=0.0)
+            raise InputError(
+                f"sensors.{name}",
+                f"the rig's sensors are {', '.join(known)}; all is the rest of them, excitation the force's own",
+                f"did you mean {near[0]}?" if near else "remove it",
+            )
+
+
+def carry_out(
+    laboratory: Laboratory, run: Run, number: int, name: str, resolution: Resolution
+) -> tuple[Record, Motion]:
+    """One run and its record.
+
+    Args:
+        laboratory: the truth.
+        run: what is done.
+        number: of the run, which its noise depends on.
+        name: of the simulator.
+        resolution: how finely.
+
+    Raises:
+        InputError: something that the simulator cannot carry.
+        DivergenceError: the motion was lost.
+    """
+    rng, plant = np.random.default_rng([laboratory.seed, 2, number]), laboratory.plant()
+    trial = replace(run.trial, free=drawn(plant, rng))
+    motion = simulator(name).run(plant, trial, resolution)
+    fs = trial.fs
+    seen = excitation_seen(run, motion.channels)
+    responses = np.stack(
+        [
+            laboratory.sensors[sensor.name].reads(channel, fs, rng)
+            for sensor, channel in zip(plant.sensors, seen, strict=True)
+        ]
+    )
+    excitation = None
+    if run.driven:
+        felt = record_channels(as_read(plant, trial.excitation)[None], 1, trial.n_samples, fs)[0]
+        excitation = laboratory.force.reads(excitation_seen(run, felt), fs, rng)
+    record = Record(
+        name=run.name,
+        fs=fs,
+        excitation=excitation,
+        sensors=tuple(sensor.name for sensor in plant.sensors),
+        responses=responses,
+        excitation_position=trial.position,
+        moving_start=not run.driven,
+    )
+    return record, motion

@@ -1,0 +1,118 @@
+"""A virtual experiment over files: records that can be read, the truth apart, and a stop that costs nothing."""
+
+import json
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from models.effects import EFFECTS, build_effect
+from models.rig import EffectEntry
+from models.rig_file import read_rig
+from testbed.cli.app import main
+from testbed.records.read import read_record
+
+RIG = Path(__file__).parents[1] / "data" / "reference_rig.toml"
+EXPERIMENT = """
+fs = 1024.0
+seed = 5
+[excitation]
+kind = "multisine"
+rms = [2.0, 6.0]
+period = 0.25
+periods = 2
+high = 200.0
+[sensors.all]
+noise_density = 1e-3
+[sensors.P8]
+mass = 0.01
+position_error = -0.01
+[truth]
+perturbed = true
+[[truth.effects]]
+kind = "squeeze_film"
+sleeve = "sleeve 2"
+damping = 4.0
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    here = tmp_path_factory.mktemp("simulate")
+    (here / "test.toml").write_text(EXPERIMENT)
+    assert main(["simulate", str(RIG), str(here / "test.toml"), "--out", str(here / "out"), "--jobs", "1"]) == 0
+    return here
+
+
+def test_the_records_are_read_back(folder):
+    rig = read_rig(RIG)
+    loud = read_record(folder / "out" / "multisine_6.uff", rig)
+    quiet = read_record(folder / "out" / "multisine_2.uff", rig)
+    assert (loud.fs, loud.n_samples, len(loud.sensors)) == (1024.0, 512, 8)
+    assert np.std(loud.excitation) == pytest.approx(3.0 * np.std(quiet.excitation), rel=0.3)
+    assert not loud.moving_start
+
+
+def test_the_truth_stands_in_a_file_of_its_own(folder):
+    truth = tomllib.loads((folder / "out" / "truth.toml").read_text())
+    rig = read_rig(RIG)
+    assert truth["parameters"]["youngs_modulus"] != rig.structure.youngs_modulus
+    effects = [build_effect(EffectEntry(**table), rig, EFFECTS) for table in truth["effects"]]
+    assert [effect.kind for effect in effects] == ["squeeze_film", "point_mass"]
+    assert truth["sensor_positions"]["P8"] == pytest.approx(rig.sensor("P8").position - 0.01)
+    record = (folder / "out" / "multisine_6.uff").read_bytes()
+    assert b"squeeze" not in record
+
+
+def test_what_the_simulator_did_is_told(folder):
+    content = json.loads((folder / "out" / "simulation.json").read_text())
+    assert [row["record"] for row in content["records"]] == ["multisine_2.uff", "multisine_6.uff"]
+    row = content["records"][1]
+    assert row["energy_fault"] < 1e-3
+    assert {contact["sleeve"] for contact in row["contacts"]} == {"sleeve 1", "sleeve 2"}
+    assert any("steps of" in choice for choice in row["choices"])
+    assert (folder / "out" / "figures" / "multisine_6.png").stat().st_size > 10_000
+
+
+def test_what_is_there_is_kept_and_what_is_missing_made_again_alike(folder, capsys):
+    path = folder / "out" / "multisine_2.uff"
+    before = path.read_bytes()
+    path.unlink()
+    arguments = ["simulate", str(RIG), str(folder / "test.toml"), "--out", str(folder / "out"), "--jobs", "1", "--json"]
+    assert main(arguments) == 0
+    streams = capsys.readouterr()
+    assert "1 of 2 records were there already; kept" in streams.err
+    assert json.loads(streams.out)["records"][0]["record"] == "multisine_2.uff"
+    assert path.read_bytes() == before
+
+
+def test_a_release_is_a_free_decay(tmp_path):
+    (tmp_path / "drop.toml").write_text(
+        'fs = 1024.0\n[excitation]\nkind = "release"\nposition = 1.2\nforce = 20.0\nduration = 0.5\n'
+    )
+    assert (
+        main(["simulate", str(RIG), str(tmp_path / "drop.toml"), "--out", str(tmp_path / "out"), "--format", "h5"]) == 0
+    )
+    record = read_record(tmp_path / "out" / "release.h5", read_rig(RIG))
+    assert record.excitation is None
+    assert np.abs(record.responses[-1, :50]).max() > np.abs(record.responses[-1, -50:]).max()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--with", "mujco"], "the simulators are modal, mujoco, exudyn; did you mean 'mujoco'?"),
+        (["--parts", "2"], "Invalid value for '--parts'"),
+    ],
+)
+def test_a_wrong_choice_is_told(folder, arguments, message, capsys):
+    assert main(["simulate", str(RIG), str(folder / "test.toml"), "--out", str(folder / "no"), *arguments]) == 2
+    assert message in capsys.readouterr().err
+    assert not (folder / "no").exists()
+
+
+def test_a_sensor_that_the_rig_does_not_have_is_told(tmp_path, capsys):
+    (tmp_path / "test.toml").write_text('[excitation]\nkind = "sweep"\n[sensors.P9]\nmass = 0.1\n')
+    assert main(["simulate", str(RIG), str(tmp_path / "test.toml"), "--out", str(tmp_path / "out")]) == 2
+    assert "sensors.P9; the rig's sensors are P1" in capsys.readouterr().err
