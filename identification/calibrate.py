@@ -46,7 +46,7 @@ def calibrate(
         short = beginning(evaluator, share, seconds)
         if evaluator.at_rest or short.n_data < LONGEST_FIRST * evaluator.n_data:
             hypothesis = fit(short, hypothesis, unknowns, tolerance=1e-2, max_iterations=15).hypothesis
-    return fit(evaluator, hypothesis, unknowns, tolerance=tolerance)
+    return fit(evaluator, hypothesis, unknowns, tolerance=tolerance, precise=True)
 
 
 LONGEST_FIRST = 0.6

@@ -193,7 +193,7 @@ def _round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
     if not ranked:
         return [], None
     without = replace(ranked[0].fit.hypothesis, effects=base.hypothesis.effects)
-    again = fit(session.fitting, without, base.unknowns)
+    again = fit(session.fitting, without, base.unknowns, precise=True)
     better = again if base.cost - again.cost > max(100.0, 0.02 * base.cost) else None
     return ranked, better
 
@@ -253,7 +253,7 @@ def _without(session: Session, calibrated: Fit, found: Fit, index: int) -> Fit:
     """The fit again without one of its effects."""
     effects = found.hypothesis.effects
     hypothesis = replace(found.hypothesis, effects=(*effects[:index], *effects[index + 1 :]))
-    return fit(session.fitting, hypothesis, (*calibrated.unknowns, *effect_unknowns(hypothesis)))
+    return fit(session.fitting, hypothesis, (*calibrated.unknowns, *effect_unknowns(hypothesis)), precise=True)
 
 
 def _refined(session: Session, result: Fit) -> Fit:
@@ -355,7 +355,7 @@ def _polish(session: Session, final: Fit) -> Fit:
     whole = cut_to(session.everything, float("inf"), session.limits)
     unknowns = (*unknowns_of(final.hypothesis, whole), *effect_unknowns(final.hypothesis))
     session.progress(f"last fit on all {whole.extent}")
-    last = fit(whole, final.hypothesis, unknowns, max_iterations=LAST_ITERATIONS, tolerance=0.0)
+    last = fit(whole, final.hypothesis, unknowns, max_iterations=LAST_ITERATIONS, tolerance=0.0, precise=True)
     return corrected(whole, last, np.random.default_rng(session.seed))
 
 

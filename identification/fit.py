@@ -69,6 +69,7 @@ def fit(
     max_iterations: int = 12,
     jacobian: FloatArray | None = None,
     keep: bool = False,
+    precise: bool = False,
     tolerance: float = 2e-4,
 ) -> Fit:
     """Move the unknowns to the minimum of chi-square plus prior.
@@ -80,6 +81,8 @@ def fit(
         max_iterations: of Levenberg and Marquardt.
         jacobian: (n_kept, n_data) columns of the first unknowns, known from an earlier fit nearby.
         keep: never form the columns in ``jacobian`` anew; a quick look, not the minimum.
+        precise: end with fine differences, of which covariances and evidence can be formed; the wide ones, which find
+            the way from afar, make degenerate numbers look independent.
         tolerance: relative decrease of the cost that ends the fit.
 
     Raises:
@@ -93,7 +96,7 @@ def fit(
     if jacobian is not None:
         rows[:kept] = jacobian
     _differentiate(evaluator, state, unknowns, rows, range(kept, len(unknowns)))
-    fresh, damping = kept == 0, 1e-3
+    fresh, fine, damping = kept == 0, False, 1e-3
     for _ in range(max_iterations):
         new, promised, damping = _step(evaluator, state, unknowns, prior, rows, damping)
         gained = state.cost - new.cost
@@ -101,11 +104,15 @@ def fit(
             state = new
         small = gained < max(tolerance * state.cost, LEAST_GAIN)
         if small and (fresh or keep):
-            break
+            if fine or not precise:
+                break
+            fine = True
         refresh_all = not keep and (small or not POOR_SHARE < gained / max(promised, LEAST_GAIN) < 1.0 / POOR_SHARE)
-        first = 0 if refresh_all else kept
-        _differentiate(evaluator, state, unknowns, rows, range(first, len(unknowns)))
-        fresh = refresh_all or kept == 0
+        first = 0 if refresh_all or fine else kept
+        _differentiate(evaluator, state, unknowns, rows, range(first, len(unknowns)), fine=fine)
+        fresh = first == 0
+    if precise and not fine:
+        _differentiate(evaluator, state, unknowns, rows, range(len(unknowns)), fine=True)
     normal = rows @ rows.T + np.diag(prior)
     chi2 = float(state.residual @ state.residual)
     return Fit(
@@ -144,17 +151,22 @@ def _start(evaluator: Evaluator, hypothesis: Hypothesis, unknowns: tuple[Unknown
 
 
 def _differentiate(
-    evaluator: Evaluator, state: _State, unknowns: tuple[Unknown, ...], rows: FloatArray, which: range
+    evaluator: Evaluator,
+    state: _State,
+    unknowns: tuple[Unknown, ...],
+    rows: FloatArray,
+    which: range,
+    *,
+    fine: bool = False,
 ) -> None:
     """Fill rows with one-sided differences; a coordinate at its bound is moved the other way.
 
-    Where the row is known from before, the coordinate is moved by what changes the residual by a small share only: the
-    wider step that finds the way to a minimum makes degenerate numbers look independent there.
+    Fine ones move a coordinate by what changes the residual by a small share only, as the row so far tells.
     """
     change = max(LEAST_CHANGE, SHARE_OF_RESIDUAL * float(np.linalg.norm(state.residual)))
     moved: list[Hypothesis] = []
     for k in which:
-        known = float(np.linalg.norm(rows[k]))
+        known = float(np.linalg.norm(rows[k])) if fine else 0.0
         step = unknowns[k].step if known == 0.0 else min(max(change / known, LEAST_STEP), unknowns[k].step)
         forward = unknowns[k].set(state.hypothesis, state.x[k] + step)
         if abs(unknowns[k].get(forward) - state.x[k]) < 0.5 * step:

@@ -60,7 +60,7 @@ def judge(
         if lasting or not large:
             sketches += _screened(evaluator, there, registry, progress)
             reached = any(sketch.fit.ratio < CLOSE_ENOUGH for sketch in sketches)
-        if not lasting and (large or (pulled(base) and not reached)):
+        if not lasting and (large or (not reached and (pulled(base) or base.ratio > SMALL))):
             sketches += _surveyed(evaluator, base, registry, progress)
     ranked = _finals(_best(sketches, FINALISTS, REFITS_PER_KIND), fitting, base, progress)
     if not large or (ranked and ranked[0].fit.ratio < NOISE_NEAR):
@@ -91,8 +91,10 @@ def _screened(evaluator: Evaluator, there: Fit, registry: Registry, progress: Pr
     return sketched_from_calibrated(evaluator, there, effects, registry, grown=not _is_lasting(registry))
 
 
-LARGE = 3.0
-"""Residual over noise above which the beginning of the records tells suspects apart, and nothing is linear."""
+SMALL, LARGE = 3.0, 8.0
+"""Residual over noise of the calibrated model: up to the first its neighbourhood tells suspects apart, above the second
+the beginning of the records does, since nothing is linear; between them what did not reach the noise is followed by the
+other."""
 
 
 def _surveyed(evaluator: Evaluator, base: Fit, registry: Registry, progress: Progress) -> list[Sketch]:
@@ -167,7 +169,7 @@ def _settled(fitting: Evaluator, ranked: list[Ranked], progress: Progress) -> li
     if not close[1:]:
         return ranked
     progress(f"{' and '.join(row.effect.label() for row in close)} fit nearly alike; fitting them to the end")
-    fits = [fit(fitting, row.fit.hypothesis, row.fit.unknowns, tolerance=0.0) for row in close]
+    fits = [fit(fitting, row.fit.hypothesis, row.fit.unknowns, tolerance=0.0, precise=True) for row in close]
     rows = [replace(row, fit=f, effect=f.hypothesis.effects[-1]) for row, f in zip(close, fits, strict=True)]
     return with_evidence([*rows, *ranked[len(close) :]])
 

@@ -58,7 +58,7 @@ class Session:
         self.decide(
             f"steps halved to {finer.settings.steps_per_sample} per sample: the coarser ones stood above the noise"
         )
-        return fit(finer, result.hypothesis, result.unknowns)
+        return fit(finer, result.hypothesis, result.unknowns, precise=True)
 
     def relearn(self, result: Fit, *, uncover: bool = False) -> Fit:
         """The fit again with the noise lowered to what it leaves, for as long as it leaves clearly less.
@@ -82,7 +82,7 @@ class Session:
             self.fitting = with_noise(self.fitting, noises, result.hypothesis, rng)
             self.everything = with_noise(self.everything, ordered, result.hypothesis, rng)
             self.relearnt = True
-            result = self.resolve(fit(self.fitting, result.hypothesis, result.unknowns))
+            result = self.resolve(fit(self.fitting, result.hypothesis, result.unknowns, precise=True))
         return result
 
     def reweigh(self, chain: list[Fit], rounds: list[list[Ranked]]) -> tuple[list[Fit], list[list[Ranked]]]:
@@ -112,7 +112,14 @@ class Session:
             results: each at its minimum under another noise.
         """
         return [
-            fit(self.fitting, result.hypothesis, result.unknowns, max_iterations=4, tolerance=REWEIGHING_TOLERANCE)
+            fit(
+                self.fitting,
+                result.hypothesis,
+                result.unknowns,
+                max_iterations=4,
+                tolerance=REWEIGHING_TOLERANCE,
+                precise=True,
+            )
             for result in results
         ]
 

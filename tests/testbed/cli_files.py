@@ -65,7 +65,7 @@ FILM = SqueezeFilm(Place(sleeve="sleeve 2", position=1.0), damping=40.0)
 
 
 def make_files(folder: Path) -> Path:
-    """``rig.toml`` without the grease, ``sweep.csv`` and ``burst.csv`` with it and a little noise, ``experiment.toml``."""
+    """``rig.toml`` without the grease, ``sweep.csv`` and ``burst.csv`` with it and a little noise; an experiment."""
     (folder / "rig.toml").write_text(RIG_TOML)
     rig = read_rig(folder / "rig.toml")
     for seed, name in enumerate(("sweep.csv", "burst.csv")):
