@@ -117,6 +117,17 @@ def build_cable(plant: Plant, n_elements: int, course: Course, held_at: float | 
     return cable
 
 
+def compliance_at(plant: Plant, n_elements: int, position: float) -> float:
+    """1 / mass that a sudden force at a place meets in a mesh with a node there, 1/kg."""
+    nodes = place_nodes(plant.structure.length, [position], n_elements)
+    mass, *_ = small_motion(plant.structure, nodes)
+    k, shape = shape_at(nodes, position, 0)
+    row = np.zeros(len(mass))
+    row[OWN * k + np.array(UP)] = shape
+    free = np.delete(np.arange(len(mass)), [0, 1, OWN - 1])
+    return float(row[free] @ np.linalg.solve(mass[np.ix_(free, free)], row[free]))
+
+
 class _Builder:
     """Adds the parts of a cable to its system."""
 
