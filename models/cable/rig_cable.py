@@ -148,12 +148,12 @@ class _Builder:
         axial = axial_stiffness(structure)
         for k, length in enumerate(np.diff(self.nodes)):
             element = ObjectANCFCable2D(
-                physicsLength=length,
-                physicsMassPerLength=structure.line_mass,
-                physicsBendingStiffness=structure.bending_stiffness,
-                physicsAxialStiffness=axial,
-                physicsBendingDamping=eta2 * structure.bending_stiffness,
-                physicsAxialDamping=eta2 * axial,
+                length=length,
+                massPerLength=structure.line_mass,
+                bendingStiffness=structure.bending_stiffness,
+                axialStiffness=axial,
+                bendingDamping=eta2 * structure.bending_stiffness,
+                axialDamping=eta2 * axial,
                 nodeNumbers=[self.numbers[k], self.numbers[k + 1]],
             )
             self.elements.append(self.system.AddObject(element))

@@ -77,7 +77,7 @@ def n_elements(structure: Structure, band: float, contact_rate: float) -> int:
     """Elements that carry the waves of a band, Hz, and of a closed contact, rad/s."""
     omega = np.array([2.0 * np.pi * band / OF_BAND**2, contact_rate / OF_CONTACT**2])
     wave_number = np.sqrt(omega * sqrt(structure.line_mass / structure.bending_stiffness))
-    return max(LEAST_ELEMENTS, ceil(structure.length * wave_number.max()))
+    return max(LEAST_ELEMENTS, ceil(structure.length * float(wave_number.max())))
 
 
 def _contact_rate(plant: Plant) -> float:
