@@ -87,7 +87,7 @@ def build_cable(plant: Plant, n_elements: int, course: Course, held_at: float | 
 
     Args:
         plant: a beam with effects that the cable carries.
-        n_elements: at least; there is a node at every port and at the excitation besides.
+        n_elements: at least; there is a node at every port and where forces act besides.
         course: what drives it.
         held_at: where a static force holds it until the motion begins, m from the clamp, or None.
     """
@@ -97,7 +97,7 @@ def build_cable(plant: Plant, n_elements: int, course: Course, held_at: float | 
     ports = tuple(port for port in dict.fromkeys(force.port for force in forces) if isinstance(port, Port))
     laws = tuple(PortLaw([force for force in forces if force.port == port], course.step) for port in ports)
     driven_at = None if plant.excitation is None else plant.excitation.position
-    named = [*(port.position for port in ports), driven_at, *(a.position for a in structure.absorbers)]
+    named = [*(port.position for port in ports), driven_at, *(a.position for a in structure.absorbers), held_at]
     nodes = place_nodes(structure.length, [place for place in named if place is not None], n_elements)
     cable = RigCable(plant, system, container, nodes, forces, ports, laws, course, *small_motion(structure, nodes))
     build = _Builder(cable)
