@@ -50,6 +50,17 @@ def test_energy_is_accounted_for_where_a_beam_is_let_go_in_its_sleeves():
     assert steps.energy.fault < 2e-5
 
 
+def test_a_clamp_that_turns_is_damped_as_the_balance_says():
+    """With a hundred times the reference rig's damping by stiffness; without the clamp's share 6 % are left over."""
+    entry = EffectEntry(kind="clamp_compliance", rotational_stiffness=4000.0)
+    rig = bare_beam(0.0, rayleigh_damping=(0.0, 6e-4))
+    cable, moved, rest = let_go(build_plant(rig, [build_effect(entry, rig, EFFECTS)]), 1e-4, 2000)
+    energy = accounted(cable, moved, rest, 1).energy
+    left = energy.stored - energy.stored[0] + energy.damped
+    assert energy.damped[-1] > 0.1 * energy.stored[0]
+    assert np.abs(left).max() < 2e-3 * energy.stored[0]
+
+
 def test_forces_are_those_that_the_motion_asks_for():
     """As Exudyn felt them in the last iteration, within Newton's tolerance of the motion that it then keeps."""
     cable, moved, _ = let_go(build_plant(REFERENCE), 5e-5, 2000, force=20.0)
