@@ -10,7 +10,7 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from models.arrays import FloatArray
-from models.cable.matrices import OWN
+from models.cable.matrices import OWN, axial_stiffness
 from models.cable.rig_cable import RigCable
 from models.errors import DivergenceError, InputError
 
@@ -18,7 +18,13 @@ STATIC_STEPS = 2
 """Solutions one after the other, each from where the one before ended; the last one polishes."""
 
 STATIC_TOLERANCE = 1e-6
-"""N, and share of the first residual; round-off from the axial stiffness begins a little below."""
+"""Of the first residual."""
+
+ROUND_OFF = 10.0 * float(np.finfo(float).eps)
+"""Of the longest coordinate times an element's axial stiffness: a residual below it, in N, says nothing.
+
+The residual of bending, which decides where the beam lies, is a million times smaller there.
+"""
 
 NEWTON_TOLERANCE = 1e-4
 """Of Newton's iteration in time; Exudyn's own defaults lie below the round-off of its residual."""
@@ -28,6 +34,9 @@ SPECTRAL_RADIUS = 0.9
 
 LEAST_STEP = 1e-9
 """s; smaller steps mean that the motion is lost."""
+
+FAR = 10.0
+"""Lengths of the beam; a motion that goes farther is lost."""
 
 ON_TIME = 1e-3
 """Share of a step within which a time is that of a whole step; Exudyn takes smaller ones where Newton needs them."""
@@ -55,7 +64,9 @@ def settle(cable: RigCable) -> FloatArray:
     settings = _quiet(exu.SimulationSettings())
     static = settings.staticSolver
     static.numberOfLoadSteps, static.loadStepDuration = 1, LEAST_STEP  # time stands still
-    static.newton.relativeTolerance = static.newton.absoluteTolerance = STATIC_TOLERANCE
+    structure, shortest = cable.plant.structure, float(np.diff(cable.nodes).min())
+    static.newton.relativeTolerance = STATIC_TOLERANCE
+    static.newton.absoluteTolerance = ROUND_OFF * axial_stiffness(structure) * structure.length / shortest
     cable.course.settling = True
     for _ in range(STATIC_STEPS):
         if not _solved(lambda: cable.system.SolveStatic(settings, updateInitialValues=True, showHints=False)):
@@ -92,7 +103,8 @@ def march(cable: RigCable, n_steps: int, step: float) -> March:
 
     system.SetPostStepUserFunction(keep)
     done = _solved(lambda: system.SolveDynamic(_in_time(n_steps, step), showHints=False))
-    if not (done and all(np.isfinite(row).all() for row in kept[-1][1:3])):
+    q, v = np.array([q for _, q, *_ in kept]), np.array([v for _, _, v, _ in kept])
+    if not (done and np.abs(q).max() < FAR * cable.plant.structure.length):  # nor is a nan less than that
         raise DivergenceError(
             f"exudyn: the motion was lost {kept[-1][0]:.4f} s after the start with steps of {step:.3g} s; take more "
             "steps per sample (--steps), or look for a negative stiffness or damping among the effects"
@@ -101,10 +113,9 @@ def march(cable: RigCable, n_steps: int, step: float) -> March:
     forces = np.empty((len(kept), len(order)))
     forces[:, order] = [[force for felt in row for force in felt] for *_, row in kept]
     time, whole = np.array([t for t, *_ in kept]), step * np.arange(n_steps + 1)
-    moved = March(np.array([q for _, q, *_ in kept]), np.array([v for _, _, v, _ in kept]), forces)
     if len(time) == len(whole) and np.abs(time - whole).max() < ON_TIME * step:
-        return moved
-    between = CubicHermiteSpline(time, moved.q, moved.v)
+        return March(q, v, forces)
+    between = CubicHermiteSpline(time, q, v)
     return March(between(whole), between(whole, 1), np.array([np.interp(whole, time, way) for way in forces.T]).T)
 
 
@@ -135,13 +146,13 @@ def _in_time(n_steps: int, step: float) -> Any:
     time.newton.relativeTolerance = time.newton.absoluteTolerance = NEWTON_TOLERANCE
     time.generalizedAlpha.spectralRadius = SPECTRAL_RADIUS
     time.generalizedAlpha.computeInitialAccelerations = True
-    settings.linearSolverType = exu.LinearSolverType.EigenSparse
+    settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
     return settings
 
 
 def _quiet(settings: Any) -> Any:
     """Without files and without words."""
-    settings.solutionSettings.writeSolutionToFile = False
+    settings.solution.file.write = False
     settings.timeIntegration.verboseMode = settings.staticSolver.verboseMode = 0
     return settings
 

@@ -87,7 +87,7 @@ def build_cable(plant: Plant, n_elements: int, course: Course, held_at: float | 
 
     Args:
         plant: a beam with effects that the cable carries.
-        n_elements: at least; there is a node at every port and at the excitation besides.
+        n_elements: at least; there is a node at every port and where forces act besides.
         course: what drives it.
         held_at: where a static force holds it until the motion begins, m from the clamp, or None.
     """
@@ -97,7 +97,7 @@ def build_cable(plant: Plant, n_elements: int, course: Course, held_at: float | 
     ports = tuple(port for port in dict.fromkeys(force.port for force in forces) if isinstance(port, Port))
     laws = tuple(PortLaw([force for force in forces if force.port == port], course.step) for port in ports)
     driven_at = None if plant.excitation is None else plant.excitation.position
-    named = [*(port.position for port in ports), driven_at, *(a.position for a in structure.absorbers)]
+    named = [*(port.position for port in ports), driven_at, *(a.position for a in structure.absorbers), held_at]
     nodes = place_nodes(structure.length, [place for place in named if place is not None], n_elements)
     cable = RigCable(plant, system, container, nodes, forces, ports, laws, course, *small_motion(structure, nodes))
     build = _Builder(cable)
@@ -115,6 +115,17 @@ def build_cable(plant: Plant, n_elements: int, course: Course, held_at: float | 
         build.base_motion()
     system.Assemble()
     return cable
+
+
+def compliance_at(plant: Plant, n_elements: int, position: float) -> float:
+    """1 / mass that a sudden force at a place meets in a mesh with a node there, 1/kg."""
+    nodes = place_nodes(plant.structure.length, [position], n_elements)
+    mass, *_ = small_motion(plant.structure, nodes)
+    k, shape = shape_at(nodes, position, 0)
+    row = np.zeros(len(mass))
+    row[OWN * k + np.array(UP)] = shape
+    free = np.delete(np.arange(len(mass)), [0, 1, OWN - 1])
+    return float(row[free] @ np.linalg.solve(mass[np.ix_(free, free)], row[free]))
 
 
 class _Builder:
@@ -137,12 +148,12 @@ class _Builder:
         axial = axial_stiffness(structure)
         for k, length in enumerate(np.diff(self.nodes)):
             element = ObjectANCFCable2D(
-                physicsLength=length,
-                physicsMassPerLength=structure.line_mass,
-                physicsBendingStiffness=structure.bending_stiffness,
-                physicsAxialStiffness=axial,
-                physicsBendingDamping=eta2 * structure.bending_stiffness,
-                physicsAxialDamping=eta2 * axial,
+                length=length,
+                massPerLength=structure.line_mass,
+                bendingStiffness=structure.bending_stiffness,
+                axialStiffness=axial,
+                bendingDamping=eta2 * structure.bending_stiffness,
+                axialDamping=eta2 * axial,
                 nodeNumbers=[self.numbers[k], self.numbers[k + 1]],
             )
             self.elements.append(self.system.AddObject(element))

@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 
 from models.arrays import FloatArray
+from models.chain.engine_call import without_warnings
 from models.chain.march import Chain, Course, Log, march, place_rows
 from models.chain.rig_chain import RigChain, engine_of, held_at, readings, spring_stiffness
 from models.equilibrium import forces_at
@@ -65,7 +66,8 @@ def move_chain(
     )  # fmt: skip
     absolute = np.array([1.0 if port.frame == "ground" else 0.0 for port in chain.ports])
     weight = plant.structure.gravity
-    done = march(engine, seen, Course(force, base, absolute, weight, step), items, log)
+    with without_warnings():
+        done = march(engine, seen, Course(force, base, absolute, weight, step), items, log)
     model.opt.gravity[2] = -weight
     if done < m:
         raise DivergenceError(
@@ -73,7 +75,7 @@ def move_chain(
             "take more steps per sample (--steps), or look for a negative stiffness or damping among the effects"
         )
     log.read[:] -= at_rest[:, None]
-    return _accounted(chain, log, base, step, every)
+    return _accounted(chain, log, np.array(data.qvel), base, step, every)
 
 
 def _damping_left(chain: RigChain, seen: Chain) -> FloatArray:
@@ -88,11 +90,11 @@ def _damping_left(chain: RigChain, seen: Chain) -> FloatArray:
     return np.ascontiguousarray(structure.damping_scale * structure.rayleigh[0] * beam)
 
 
-def _accounted(chain: RigChain, log: Log, base: FloatArray, step: float, every: int) -> Steps:
+def _accounted(chain: RigChain, log: Log, last: FloatArray, base: FloatArray, step: float, every: int) -> Steps:
     """The motion with its energy, in the sums that leapfrog keeps: products of velocities about a position."""
     model = chain.model
     damping = np.array(model.dof_damping, float).reshape(model.nv, -1)[:, 0]
-    after = np.concatenate([log.qvel[1:], log.qvel[-1:]])
+    after = np.concatenate([log.qvel[1:], last[None]])
     amid, pieces = 0.5 * (log.qvel + after), after[:-1]
     inertia = chain.mass + np.diag(model.dof_armature + 0.5 * step * damping)
     carried = _carried(chain)

@@ -1,22 +1,35 @@
 """Exudyn: the rig as planar ANCF cable elements, with generalised-alpha in time."""
 
-from math import ceil
+from math import ceil, sqrt
 from typing import ClassVar
 
+import numpy as np
+
 from models.arrays import FloatArray
+from models.band_limit import STOP_EDGE
 from models.cable.accounts import accounted
 from models.cable.course import Course
 from models.cable.moving import march, natural_freqs, settle
-from models.cable.rig_cable import build_cable
+from models.cable.rig_cable import build_cable, compliance_at
 from models.plant import Plant
 from models.simulators.driving import at_place, driven
 from models.simulators.protocol import Motion, Resolution, Simulator, Trial, beam_limits
 from models.simulators.recorded import recorded
+from models.structure import Structure
 
 STEP = 5e-5
-"""s; the first four frequencies are then within 0.013 %."""
+"""s; impacts of the reference rig are then within 1 % over a second, its first four frequencies within 0.05 %."""
 
 LEAST_ELEMENTS = 12
+
+OF_BAND, OF_CONTACT = 1.8, 0.7
+"""Longest element in 1 / k, the wave number at the upper edge of the band and at the frequency of a closed contact."""
+
+STIFF = 0.005
+"""Largest product of a contact's stiffness, the compliance that it meets and step^2."""
+
+LOAD = 1e3
+"""N at which a contact's stiffness is asked for."""
 
 
 class Exudyn(Simulator):
@@ -30,7 +43,7 @@ class Exudyn(Simulator):
         return beam_limits(plant)
 
     def natural_freqs(self, plant: Plant, n: int, resolution: Resolution) -> FloatArray:
-        """(n,) Hz."""
+        """(n,) Hz; by default with twice as many elements as for a record."""
         cable = build_cable(plant, resolution.n_parts or 2 * LEAST_ELEMENTS, Course())
         settle(cable)
         return natural_freqs(cable, n)
@@ -38,8 +51,9 @@ class Exudyn(Simulator):
     def carry_out(self, plant: Plant, trial: Trial, resolution: Resolution) -> Motion:
         """One test."""
         plant = at_place(plant, trial)
-        n = resolution.n_parts or LEAST_ELEMENTS
-        factor = resolution.steps_per_sample or ceil(1.0 / (trial.fs * STEP))
+        fastest = _contact_rate(plant)
+        n = resolution.n_parts or n_elements(plant.structure, STOP_EDGE * trial.fs, fastest)
+        factor = resolution.steps_per_sample or ceil(max(1.0 / STEP, fastest / sqrt(STIFF)) / trial.fs)
         step = 1.0 / (trial.fs * factor)
         course = Course(step, *driven(plant, trial, factor))
         cable = build_cable(plant, n, course, None if trial.hold is None else trial.hold.position)
@@ -55,5 +69,18 @@ class Exudyn(Simulator):
         return recorded(plant, trial, factor, accounted(cable, moved, rest, factor), cable.ports, choices)
 
 
-AUTO_ELEMENTS = ": twelve, and a node on every port and at the excitation"
-AUTO_STEP = ": 50 us or less, where the first four frequencies are within 0.013 %"
+AUTO_ELEMENTS = ": what the waves in the band and in a closed contact ask for, and a node at ports and excitation"
+AUTO_STEP = ": 50 us, less where a contact is stiff for the mass that it meets"
+
+
+def n_elements(structure: Structure, band: float, contact_rate: float) -> int:
+    """Elements that carry the waves of a band, Hz, and of a closed contact, rad/s."""
+    omega = np.array([2.0 * np.pi * band / OF_BAND**2, contact_rate / OF_CONTACT**2])
+    wave_number = np.sqrt(omega * sqrt(structure.line_mass / structure.bending_stiffness))
+    return max(LEAST_ELEMENTS, ceil(structure.length * float(wave_number.max())))
+
+
+def _contact_rate(plant: Plant) -> float:
+    """Rad/s of the fastest closed contact on the mass that it meets at once."""
+    squares = [c.law.slope_under(LOAD) * compliance_at(plant, LEAST_ELEMENTS, c.position) for c in plant.contacts]
+    return sqrt(max(squares, default=0.0))
