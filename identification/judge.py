@@ -8,7 +8,6 @@ from identification.evaluate import Evaluator
 from identification.evidence import Ranked, misfit_in_common, reweighed, with_evidence
 from identification.fit import Fit, fit
 from identification.hypothesis import free_place, own_unknowns
-from identification.noise_left import NOISE_NEAR
 from identification.progress import Progress
 from identification.scene import GRID, places_of
 from identification.screen import Suspect, promising, screen, survey
@@ -53,28 +52,31 @@ def judge(
         base: the calibrated model on those.
         progress: told what is being done.
     """
-    sketches: list[Sketch] = []
-    large, reached = base.ratio > LARGE, False
-    for evaluator, there, registry in screening:
-        lasting = _is_lasting(registry)
-        if lasting or not large:
-            sketches += _screened(evaluator, there, registry, progress)
-            reached = any(sketch.fit.ratio < CLOSE_ENOUGH for sketch in sketches)
-        if not lasting and (large or (not reached and (pulled(base) or base.ratio > SMALL))):
-            sketches += _surveyed(evaluator, base, registry, progress)
-    ranked = _finals(_best(sketches, FINALISTS, REFITS_PER_KIND), fitting, base, progress)
-    if not large or (ranked and ranked[0].fit.ratio < NOISE_NEAR):
-        return ranked
-    progress("the beginning of the records named nothing that reaches the noise; looking at longer ones")
-    others: list[Sketch] = []
-    for evaluator, there, registry in screening:
-        if not _is_lasting(registry):
-            others += _screened(evaluator, there, registry, progress)
-    new = [s for s in _best(others, FINALISTS, REFITS_PER_KIND) if not any(is_alike(s.fit, row.fit) for row in ranked)]
-    more = _finals(new, fitting, base, progress)
-    if not ranked:
-        return more
-    return _settled(fitting, reweighed(ranked, [row for row in (*ranked, *more) if row.refitted]), progress)
+    instant = next((row for row in screening if not _is_lasting(row[2])), None)
+    lasting = [row for row in screening if _is_lasting(row[2])]
+    looks = [_screened, _surveyed] if base.ratio <= LARGE else [_surveyed, _screened]
+    if base.ratio <= SMALL and not pulled(base):
+        looks = [_screened]
+    ranked: list[Ranked] = []
+    for number, look in enumerate(looks):
+        if number > 0:
+            progress("nothing seen so far reaches the noise; looking from elsewhere")
+        sketches = [] if instant is None else look(*instant, base, progress)
+        if number == 0:
+            for row in lasting:
+                sketches += _screened(*row, base, progress)
+        found = _best(sketches, FINALISTS, REFITS_PER_KIND)
+        new = [sketch for sketch in found if not any(is_alike(sketch.fit, row.fit) for row in ranked)]
+        more = _finals(new, fitting, base, progress)
+        rows = [row for row in (*ranked, *more) if row.refitted]
+        ranked = _settled(fitting, reweighed(ranked, rows), progress) if ranked else more
+        if ranked and ranked[0].fit.ratio < EXPLAINED:
+            break
+    return ranked
+
+
+EXPLAINED = 1.25
+"""Residual over noise at which suspects are not looked for in another way."""
 
 
 def _is_lasting(registry: Registry) -> bool:
@@ -82,8 +84,9 @@ def _is_lasting(registry: Registry) -> bool:
     return any(kind.family == "time" for kind in registry.values())
 
 
-def _screened(evaluator: Evaluator, there: Fit, registry: Registry, progress: Progress) -> list[Sketch]:
+def _screened(evaluator: Evaluator, there: Fit, registry: Registry, base: Fit, progress: Progress) -> list[Sketch]:
     """Sketches of what could take most away beyond the rig's numbers, from the calibrated model on longer records."""
+    del base  # the same model, on all that is fitted
     found = promising(screen(evaluator, there, registry, progress), PER_KIND, _distance(there))
     found = first_of_each_kind(found)[:MOST_LONG_SKETCHES]
     progress(f"sketching {len(found)} suspects on {evaluator.extent}")
@@ -92,17 +95,17 @@ def _screened(evaluator: Evaluator, there: Fit, registry: Registry, progress: Pr
 
 
 SMALL, LARGE = 3.0, 8.0
-"""Residual over noise of the calibrated model: up to the first its neighbourhood tells suspects apart, above the second
-the beginning of the records does, since nothing is linear; between them what did not reach the noise is followed by the
-other."""
+"""Residual over noise of the calibrated model: up to the first its neighbourhood alone tells suspects apart, above the
+second the beginning of the records is seen first, since nothing is linear."""
 
 
-def _surveyed(evaluator: Evaluator, base: Fit, registry: Registry, progress: Progress) -> list[Sketch]:
+def _surveyed(evaluator: Evaluator, there: Fit, registry: Registry, base: Fit, progress: Progress) -> list[Sketch]:
     """Sketches of the best places of every kind, from the beginning of the records and the numbers as given.
 
     A calibration without the missing effect pulls the numbers to where they imitate it, and the effect added to that
     makes matters worse; from the numbers as given, it helps.
     """
+    del there  # from the numbers as given, not from the calibrated ones
     start = afresh(base.hypothesis)
     short = beginning(evaluator, *HEATS[0][:2])
     bare = fit(short, start, concerning(base, short), max_iterations=0)
