@@ -9,7 +9,7 @@ import pytest
 from models.errors import DivergenceError
 from testbed.cli.app import main
 
-COMMANDS = ("demo", "check", "compare", "diagnose", "add", "history", "undo", "modes", "frf", "simulate")
+COMMANDS = ("demo", "check", "compare", "diagnose", "add", "history", "undo", "modes", "frf", "simulate", "crosscheck")
 RIG = Path(__file__).parents[1] / "data" / "reference_rig.toml"
 
 

@@ -1,0 +1,40 @@
+"""``testbed crosscheck``: modal against MuJoCo against Exudyn."""
+
+import sys
+from typing import Annotated
+
+import typer
+
+from testbed.cli.options import AsJson, Out, RigFile, out_folder
+from testbed.cli.progress import progress
+
+EXAMPLE = "Example: testbed crosscheck rig.toml --out results/crosscheck"
+MISSED = 1
+
+Against = Annotated[
+    list[str] | None,
+    typer.Option("--against", metavar="NAME", help="Simulator; may be repeated; mujoco and exudyn unless given."),
+]
+
+
+def crosscheck(rig: RigFile, *, against: Against = None, out: Out = None, as_json: AsJson = False) -> None:
+    """Hold the modal model against MuJoCo and Exudyn: crosscheck.json, a page, figures; status 1 if a bound is missed."""
+    folder = out_folder(out, rig)
+    with progress() as tell:
+        from testbed.crosscheck.run import run_crosscheck
+
+        others = against or ["mujoco", "exudyn"]
+        content = run_crosscheck(rig, others, folder, command=["testbed", *sys.argv[1:]], progress=tell)
+    from testbed.cli.tables import print_json, print_table, say
+
+    if as_json:
+        print_json(content)
+    else:
+        rows = [
+            (m["rig"], m["quantity"], m["simulator"], m["value"], m["bound"], m["unit"], m["holds"])
+            for m in content["measures"]
+        ]
+        print_table(("rig", "quantity", "against", "difference", "bound", "unit", "holds"), rows)
+        say(f"written: {folder}/README.md, crosscheck.json and figures")
+    if not content["holds"]:
+        raise typer.Exit(MISSED)

@@ -1,0 +1,45 @@
+"""The cross-check over files: ``crosscheck.json``, a page and its figures in a folder."""
+
+import shlex
+from collections.abc import Sequence
+from pathlib import Path
+
+from identification.progress import Progress
+from models.plant import build_plant
+from models.rig_file import read_rig
+from testbed.crosscheck.page import Json, crosscheck_json, page_of
+from testbed.crosscheck.study import crosscheck
+from testbed.figures.crosscheck import bounds_figure, convergence_figure, sleeves_figure
+from testbed.figures.save import save
+from testbed.outputs import json_text, staged
+
+
+def run_crosscheck(
+    rig_path: Path, others: Sequence[str], out: Path, *, command: Sequence[str], progress: Progress
+) -> Json:
+    """Cross-check the simulators on a rig and write the result.
+
+    Args:
+        rig_path: the rig file.
+        others: simulators that the modal model is held against.
+        out: folder of the results.
+        command: as typed, for the page.
+        progress: told what is being done.
+
+    Returns:
+        the content of ``crosscheck.json``.
+
+    Raises:
+        InputError: a rig that a simulator cannot carry, or a folder that cannot be written.
+        DivergenceError: a simulator lost the motion.
+    """
+    rig = read_rig(rig_path)
+    found = crosscheck(rig, others, progress)
+    content = crosscheck_json(found)
+    with staged(out) as stage:
+        (stage / "crosscheck.json").write_text(json_text(content), encoding="utf-8")
+        (stage / "README.md").write_text(page_of(found, shlex.join(command)), encoding="utf-8")
+        save(bounds_figure(found.measures), stage / "figures", "bounds")
+        save(sleeves_figure(found.motions, build_plant(rig)), stage / "figures", "sleeves")
+        save(convergence_figure(found.convergence), stage / "figures", "convergence")
+    return content
