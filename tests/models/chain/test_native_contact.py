@@ -50,7 +50,7 @@ def test_the_engines_contact_has_our_stiffness_damping_and_gap(chain, side):
 
 
 def test_the_engines_contact_moves_the_beam_as_ours_does():
-    """The ball rides on a rigid segment, our law on the beam that the segments stand for: 1e-8 m, and 1 % after hits."""
+    """The ball rides on a rigid segment, our law on the beam that it stands for: 1e-8 m, and 1 % after hits."""
     push = np.zeros(512)
     push[20:60] = 40.0 * np.sin(np.linspace(0.0, np.pi, 40)) ** 2
     plant, trial = build_plant(REFERENCE), Trial(2048.0, push)
