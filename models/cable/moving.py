@@ -91,41 +91,45 @@ def march(cable: RigCable, n_steps: int, step: float) -> March:
     """
     system, data = cable.system, cable.system.systemData
     cable.course.settling = False
-    kept = [(0.0, *_begun(cable))]
+    times, places, speeds = [0.0], [_begun(cable)], [np.zeros(len(cable.carried))]
+    felt = [force for law in cable.laws for force in law.felt]
     busy = [law for law in cable.laws if law.has_states]
 
     def keep(mbs: Any, t: float) -> bool:  # noqa: ARG001
         for law in busy:
             law.settle()
-        if t > 0.0:
-            kept.append((t, data.GetODE2Coordinates(), data.GetODE2Coordinates_t(), [law.felt for law in cable.laws]))
+        if t > 0.0:  # in lists without lists in them, which Python's garbage collector leaves alone
+            times.append(t)
+            places.append(data.GetODE2Coordinates())
+            speeds.append(data.GetODE2Coordinates_t())
+            for law in cable.laws:
+                felt.extend(law.felt)
         return True
 
     system.SetPostStepUserFunction(keep)
     done = _solved(lambda: system.SolveDynamic(_in_time(n_steps, step), showHints=False))
-    q, v = np.array([q for _, q, *_ in kept]), np.array([v for _, _, v, _ in kept])
+    q, v, time = np.array(places), np.array(speeds), np.array(times)
     if not (done and np.abs(q).max() < FAR * cable.plant.structure.length):  # nor is a nan less than that
         raise DivergenceError(
-            f"exudyn: the motion was lost {kept[-1][0]:.4f} s after the start with steps of {step:.3g} s; take more "
+            f"exudyn: the motion was lost {times[-1]:.4f} s after the start with steps of {step:.3g} s; take more "
             "steps per sample (--steps), or look for a negative stiffness or damping among the effects"
         )
-    order = [k for number in range(len(cable.ports)) for k in cable.of_port(number)]
-    forces = np.empty((len(kept), len(order)))
-    forces[:, order] = [[force for felt in row for force in felt] for *_, row in kept]
-    time, whole = np.array([t for t, *_ in kept]), step * np.arange(n_steps + 1)
+    forces = np.empty((len(time), len(cable.forces)))
+    forces[:, [k for number in range(len(cable.ports)) for k in cable.of_port(number)]] = np.reshape(felt, forces.shape)
+    whole = step * np.arange(n_steps + 1)
     if len(time) == len(whole) and np.abs(time - whole).max() < ON_TIME * step:
         return March(q, v, forces)
     between = CubicHermiteSpline(time, q, v)
     return March(between(whole), between(whole, 1), np.array([np.interp(whole, time, way) for way in forces.T]).T)
 
 
-def _begun(cable: RigCable) -> tuple[FloatArray, FloatArray, list[list[float]]]:
-    """Coordinates, velocities and forces at the first step, with laws that begin at rest."""
+def _begun(cable: RigCable) -> FloatArray:
+    """(n,) coordinates at the first step, with laws that begin at rest and are asked there."""
     q = np.array(cable.system.systemData.GetODE2Coordinates())
     for law, place in zip(cable.laws, (cable.port_rows @ q).tolist(), strict=True):
         law.begin()
         law(0.0, place, 0.0)
-    return q, np.zeros(len(q)), [law.felt for law in cable.laws]
+    return q
 
 
 def natural_freqs(cable: RigCable, n: int) -> FloatArray:

@@ -1,6 +1,6 @@
 """All forces behind one port of a cable, as one Python function of the motion there."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from models.point_forces import PointForce, closed_part
@@ -32,7 +32,17 @@ class PortLaw:
     _states: list[float] = field(default_factory=list)
 
     def __post_init__(self) -> None:
+        self._asked = [self._asked_of(number, force) for number, force in enumerate(self.forces)]
         self.begin()
+
+    def _asked_of(self, number: int, force: PointForce) -> Callable[[float, float, float], float]:
+        """One force as a function of time, place and speed; Exudyn asks a hundred thousand times a second."""
+        if force.contact is not None:
+            return _contact(force, self.step)
+        law, values = force.law, force.values
+        if force.rate is None:
+            return lambda t, q, v: law(t, q, v, 0.0, values)
+        return lambda t, q, v: law(t, q, v, self._state(number, t, q, v), values)
 
     def begin(self) -> None:
         """Forget what was; states are 0 at rest."""
@@ -46,12 +56,7 @@ class PortLaw:
     def __call__(self, t: float, q: float, v: float) -> float:
         """Force on the structure, N, at the end of the present step."""
         self._now = (t, q, v)
-        self.felt = [
-            _contact(force, t, self.step, q, v)
-            if force.contact is not None
-            else force.law(t, q, v, 0.0 if force.rate is None else self._state(number, t, q, v), force.values)
-            for number, force in enumerate(self.forces)
-        ]
+        self.felt = [asked(t, q, v) for asked in self._asked]
         return sum(self.felt)
 
     def settle(self) -> None:
@@ -78,16 +83,22 @@ class PortLaw:
         return state
 
 
-def _contact(force: PointForce, t: float, h: float, q: float, v: float) -> float:
-    """Mean force of a contact on the structure, N, over a step h about t: it grows steadily as the contact closes.
+def _contact(force: PointForce, step: float) -> Callable[[float, float, float], float]:
+    """Mean force of a contact on the structure, N, over a step about now: it grows steadily as the contact closes.
 
     A dashpot jumps as it begins to push, and a step that ends within the jump would have no solution.
     """
     assert force.contact is not None
-    clearance, offset, growth = force.contact
-    side = 1.0 if q >= offset else -1.0
-    p, rate = side * (q - offset) - clearance - growth * t, side * v - growth
-    if force.bilateral:
-        return -side * force.law(t, p, rate, 0.0, force.values)
-    share, amid = closed_part(p, rate, h)
-    return -side * share * max(0.0, force.law(t, amid, rate, 0.0, force.values)) if share else 0.0
+    (clearance, offset, growth), law, values = force.contact, force.law, force.values
+
+    def both_ways(t: float, q: float, v: float) -> float:
+        side = 1.0 if q >= offset else -1.0
+        return -side * law(t, side * (q - offset) - clearance - growth * t, side * v - growth, 0.0, values)
+
+    def pushing(t: float, q: float, v: float) -> float:
+        side = 1.0 if q >= offset else -1.0
+        rate = side * v - growth
+        share, amid = closed_part(side * (q - offset) - clearance - growth * t, rate, step)
+        return -side * share * max(0.0, law(t, amid, rate, 0.0, values)) if share else 0.0
+
+    return both_ways if force.bilateral else pushing

@@ -211,7 +211,7 @@ class _Builder:
     def absorber(self, position: float, mass: float, coefficients: tuple[float, float]) -> None:
         """A small oscillator hanging on the beam."""
         own = self.system.AddNode(Node1D(referenceCoordinates=[0.0]))
-        self.system.AddObject(Mass1D(physicsMass=mass, nodeNumber=own))
+        self.system.AddObject(Mass1D(mass=mass, nodeNumber=own))
         marker = self.system.AddMarker(MarkerNodeCoordinate(nodeNumber=own, coordinate=0))
         markers = [self._marker(position, 0), marker]
         spring, dashpot = coefficients

@@ -33,6 +33,7 @@ class Engine(NamedTuple):
         anchor: (n_joints, 3) place of each joint, m.
         centre: (n_bodies, 3) of mass, m.
         turned: (n_bodies, 9) rotation of each body.
+        constrained: (n_dofs,) forces of the engine's own contacts.
     """
 
     step1: int
@@ -46,6 +47,7 @@ class Engine(NamedTuple):
     anchor: FloatArray
     centre: FloatArray
     turned: FloatArray
+    constrained: FloatArray
 
 
 class Chain(NamedTuple):
@@ -92,6 +94,7 @@ class Log(NamedTuple):
         forces: (n_items, M) N on the structure.
         work: (3, M) J since the first step: supplied, damped outside of the hinges, taken by laws and contacts.
         qpos, qvel: (M, n_dofs).
+        constrained: (M, n_dofs) forces of the engine's own contacts, or (0, n_dofs) where it has none.
     """
 
     read: FloatArray
@@ -100,6 +103,7 @@ class Log(NamedTuple):
     work: FloatArray
     qpos: FloatArray
     qvel: FloatArray
+    constrained: FloatArray
 
 
 @compiled
@@ -228,4 +232,7 @@ def march(engine: Engine, chain: Chain, course: Course, items: Items, log: Log) 
         if not size < FINITE:
             return step
         call_engine(engine.step2, engine.model, engine.data)
+        if log.constrained.shape[0] > 0:
+            for i in range(log.qpos.shape[1]):
+                log.constrained[step, i] = engine.constrained[i]
     return n_steps

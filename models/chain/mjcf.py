@@ -8,6 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from models.chain.native_contact import add_stops, weigh_stops
 from models.chain.segments import Segments
 from models.chain.sleeve_mesh import sleeve_mesh
 from models.plant import Plant
@@ -33,15 +34,17 @@ class ChainSettings:
         step: s.
         newmark: beta of Newmark's method that the armature of the hinges makes of the engine's own step.
         rotary_inertia: whether the sections' own rotary inertia is counted.
+        native_contact: whether the engine's own contacts act in the sleeves, instead of our laws.
     """
 
     step: float
     newmark: float
     rotary_inertia: bool
+    native_contact: bool = False
 
 
 def build_spec(plant: Plant, segments: Segments, settings: ChainSettings) -> Any:
-    """The MjSpec of a plant; forces at points and in sleeves are not in it, they come from ``models.chain.march``.
+    """The MjSpec of a plant; forces at points are not in it, and those in sleeves only where they are the engine's own.
 
     Args:
         plant: a beam with its sleeves.
@@ -53,7 +56,9 @@ def build_spec(plant: Plant, segments: Segments, settings: ChainSettings) -> Any
     spec.modelname = "clearance testbed"
     spec.option.timestep = settings.step
     spec.option.gravity = [0.0, 0.0, -structure.gravity]
-    spec.option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT | mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+    spec.option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+    if not settings.native_contact:
+        spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
     spec.compiler.degree = False
     spec.visual.global_.offwidth, spec.visual.global_.offheight = 1920, 1080
     spec.worldbody.add_light(pos=[0.5 * structure.length, -2.0, 2.0], dir=[0.0, 0.7, -0.7])
@@ -74,25 +79,42 @@ def build_spec(plant: Plant, segments: Segments, settings: ChainSettings) -> Any
         at = float(hinge)
         _add_hinge(body, f"hinge {i + 1}", spring, eta2 * spring, settings)
         _give_mass(body, structure, (float(span[0]) - at, float(span[1]) - at), at, settings)
-        for number, (position, mass) in enumerate(structure.masses):
-            if segments.segment_at(position or 0.0) == i:
-                _add_mass(body, f"mass {number + 1}", (position or 0.0) - at, mass, structure)
-        for number, absorber in enumerate(structure.absorbers):
-            if segments.segment_at(absorber.position or 0.0) == i:
-                hung = _add_mass(
-                    body, f"absorber {number + 1}", (absorber.position or 0.0) - at, absorber.mass, structure
-                )
-                slide = hung.add_joint(name=f"absorber {number + 1}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 0, 1])
-                slide.stiffness[0], slide.damping[0] = absorber.coefficients
+        _add_what_it_carries(spec, body, plant, segments, i, settings)
+    if settings.native_contact:
+        weigh_stops(spec, plant, segments)
     return spec
+
+
+def _add_what_it_carries(
+    spec: Any, body: Any, plant: Plant, segments: Segments, i: int, settings: ChainSettings
+) -> None:
+    """Masses and absorbers on segment i, and what it meets in a sleeve."""
+    structure, at = plant.structure, float(segments.hinges[i])
+    for number, (position, mass) in enumerate(structure.masses):
+        if segments.segment_at(position or 0.0) == i:
+            _add_mass(body, f"mass {number + 1}", (position or 0.0) - at, mass, structure)
+    for number, absorber in enumerate(structure.absorbers):
+        if segments.segment_at(absorber.position or 0.0) == i:
+            hung = _add_mass(body, f"absorber {number + 1}", (absorber.position or 0.0) - at, absorber.mass, structure)
+            slide = hung.add_joint(name=f"absorber {number + 1}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 0, 1])
+            slide.stiffness[0], slide.damping[0] = absorber.coefficients
+    for contact in plant.contacts if settings.native_contact else ():
+        if segments.segment_at(contact.position) == i:
+            add_stops(spec, body, contact, contact.position - at, structure.diameter / 2)
 
 
 def to_xml(spec: Any) -> str:
     """The model as a file for any MuJoCo viewer, with words in it."""
+    bounces = not spec.option.disableflags & int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
     head = (
         "<!-- A cantilever that rests in sleeves with clearance, as a chain of rigid segments with sprung hinges.\n"
-        "     SI units, x along the beam from the clamp, z up. Gravity bends it; the forces of sleeves, grease and\n"
-        "     other effects are computed outside of this file, so that here the beam falls through its sleeves. -->\n"
+        "     SI units, x along the beam from the clamp, z up. Gravity bends it; the forces of grease and other\n"
+        "     effects are computed outside of this file, and so are those of the sleeves"
+        + (
+            " in the testbed's own runs;\n     here a ball on the beam meets a plane on each side. -->\n"
+            if bounces
+            else ",\n     so that here the beam falls through them. -->\n"
+        )
     )
     text = re.sub(r"(<mujoco[^>]*>\n)", lambda found: found.group(1) + head, spec.to_xml(), count=1)
     return text.replace(

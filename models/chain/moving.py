@@ -1,6 +1,7 @@
 """One test of a chain from rest: the engine's steps, what the sensors saw and where the energy went."""
 
 from math import inf
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -8,10 +9,12 @@ import numpy as np
 from models.arrays import FloatArray
 from models.chain.engine_call import without_warnings
 from models.chain.march import Chain, Course, Log, march, place_rows
+from models.chain.native_contact import forces_of_stops, has_stops
 from models.chain.rig_chain import RigChain, engine_of, held_at, readings, spring_stiffness
 from models.equilibrium import forces_at
 from models.errors import DivergenceError
 from models.point_forces import compile_items
+from models.ports import Port
 from models.simulators.protocol import EnergyBalance
 from models.simulators.recorded import Steps
 
@@ -52,17 +55,19 @@ def move_chain(
         data.qpos[:] = held_at(chain, *hold)
         mujoco.mj_forward(model, data)
         place_rows(engine, seen, rows, place)
-    pushed = forces_at(place[: len(chain.ports)], chain.ports, chain.forces)
+    native = has_stops(model)
+    own = tuple(force for force in chain.forces if force.contact is None) if native else chain.forces
+    pushed = forces_at(place[: len(chain.ports)], chain.ports, own)
     data.qfrc_applied[seen.dof] = pushed @ rows[: len(chain.ports)] + force[0] * rows[len(chain.ports)]
     if base.shape[1]:
         model.opt.gravity[2] -= base[2, 0]
     mujoco.mj_forward(model, data)
     data.qvel[:] = -0.5 * step * data.qacc  # half a step before the start, so that it starts with no velocity
-    items = compile_items(chain.forces, chain.ports)
+    items = compile_items(own, chain.ports)
     m = len(force)
     log = Log(
-        np.empty((len(sensors), m)), np.empty((len(chain.ports), m)), np.empty((len(chain.forces), m)),
-        np.empty((3, m)), np.empty((m, model.nq)), np.empty((m, model.nv)),
+        np.empty((len(sensors), m)), np.empty((len(chain.ports), m)), np.empty((len(own), m)),
+        np.empty((3, m)), np.empty((m, model.nq)), np.empty((m, model.nv)), np.empty((m if native else 0, model.nv)),
     )  # fmt: skip
     absolute = np.array([1.0 if port.frame == "ground" else 0.0 for port in chain.ports])
     weight = plant.structure.gravity
@@ -75,7 +80,18 @@ def move_chain(
             "take more steps per sample (--steps), or look for a negative stiffness or damping among the effects"
         )
     log.read[:] -= at_rest[:, None]
+    if native:
+        log = _with_stops(chain, data, log)
     return _accounted(chain, log, np.array(data.qvel), base, step, every)
+
+
+def _with_stops(chain: RigChain, data: Any, log: Log) -> Log:
+    """The log with the forces of the engine's own contacts, and what they took."""
+    plant = chain.plant
+    forces = forces_of_stops(chain.model, data, plant, log.constrained)
+    place = log.motion[[chain.ports.index(Port(contact.position)) for contact in plant.contacts]]
+    log.work[2] -= _summed(0.5 * np.sum((forces[:, 1:] + forces[:, :-1]) * np.diff(place), axis=0))
+    return log._replace(forces=np.vstack([log.forces, forces]))
 
 
 def _damping_left(chain: RigChain, seen: Chain) -> FloatArray:

@@ -14,6 +14,7 @@ from models.arrays import FloatArray
 from models.chain.engine_call import engine_address
 from models.chain.march import Chain, Engine, place_rows
 from models.chain.mjcf import ChainSettings, build_spec
+from models.chain.native_contact import check_stops
 from models.chain.segments import Segments
 from models.equilibrium import find_rest, forces_at
 from models.errors import InputError
@@ -87,8 +88,10 @@ def build_chain(plant: Plant, n: int, settings: ChainSettings) -> RigChain:
         settings: step and inertia.
 
     Raises:
-        InputError: no state at rest is found.
+        InputError: no state at rest is found, or the engine has no such contact of its own.
     """
+    if settings.native_contact:
+        check_stops(plant)
     segments = Segments(plant.structure.length, n)
     model = build_spec(plant, segments, settings).compile()
     data = mujoco.MjData(model)
@@ -172,6 +175,7 @@ def engine_of(model: Any, data: Any) -> Engine:
         data.xanchor,
         data.xipos,
         data.ximat,
+        data.qfrc_constraint,
     )
 
 

@@ -7,8 +7,9 @@ import numpy as np
 
 from models.arrays import FloatArray
 from models.band_limit import STOP_EDGE
-from models.chain.mjcf import ChainSettings, is_stiff
+from models.chain.mjcf import ChainSettings, build_spec, is_stiff, to_xml
 from models.chain.moving import move_chain
+from models.chain.native_contact import cannot_stop
 from models.chain.rig_chain import RigChain, build_chain
 from models.chain.segments import Segments
 from models.plant import Plant
@@ -60,7 +61,8 @@ class Mujoco(Simulator):
         n = resolution.n_parts or n_segments(plant, trial.fs)
         factor = resolution.steps_per_sample or self._factor(plant, trial.fs, n, resolution)
         step = 1.0 / (trial.fs * factor)
-        chain = build_chain(plant, n, ChainSettings(step, NEWMARK, resolution.rotary_inertia))
+        settings = ChainSettings(step, NEWMARK, resolution.rotary_inertia, resolution.native_contact)
+        chain = build_chain(plant, n, settings)
         force, base = driven(plant, trial, factor, bend=NEWMARK)
         hold = None if trial.hold is None else (trial.hold.position, trial.hold.force)
         motion = move_chain(chain, force, base, factor, hold)
@@ -69,6 +71,18 @@ class Mujoco(Simulator):
             f"steps of {1e6 * step:.3g} us, {factor} per sample" + ("" if resolution.steps_per_sample else AUTO_STEP),
         )
         return recorded(plant, trial, factor, motion, chain.ports, choices)
+
+    def viewer_file(self, plant: Plant, fs: float = 2048.0) -> str:
+        """The plant as XML for any MuJoCo viewer, bouncing in its sleeves where the engine has such a contact.
+
+        Args:
+            plant: a beam with effects.
+            fs: rate of the record that the segments would be chosen for, Hz.
+        """
+        n, native = n_segments(plant, fs), cannot_stop(plant) is None
+        step = largest_step(build_chain(plant, n, ChainSettings(1e-4, 0.0, rotary_inertia=False)))
+        settings = ChainSettings(step, NEWMARK, rotary_inertia=False, native_contact=native)
+        return to_xml(build_spec(plant, Segments(plant.structure.length, n), settings))
 
     @staticmethod
     def _factor(plant: Plant, fs: float, n: int, resolution: Resolution) -> int:

@@ -57,11 +57,14 @@ class Resolution:
         n_parts: dynamic modes, segments or elements.
         steps_per_sample: steps of the integrator per sample of the record.
         rotary_inertia: whether the sections' own rotary inertia is counted, where the simulator can.
+        native_contact: whether the engine's own contact acts in the sleeves instead of our laws, where it has one; a
+            control for studies of contact.
     """
 
     n_parts: int | None = None
     steps_per_sample: int | None = None
     rotary_inertia: bool = False
+    native_contact: bool = False
 
 
 @dataclass(frozen=True, eq=False)

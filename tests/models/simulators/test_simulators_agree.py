@@ -1,5 +1,7 @@
 """Three ways to the same motion: static shapes, chain, cable. Where they differ, the tolerance says by what."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from simulator_scenes import FS, REFERENCE, SHAKEN, impulses, moved, noise, nrmse, with_effects
@@ -8,6 +10,7 @@ from models.effects import EFFECTS
 from models.plant import build_plant
 from models.simulators import simulator
 from models.simulators.protocol import Hold, Resolution, Trial
+from models.structure import Absorber
 
 ENGINES = ("mujoco", "exudyn")
 
@@ -77,6 +80,22 @@ def test_every_kind_of_trial_is_carried_out(name, rig, trial, effects):
     found, expected = moved(name, plant, trial), moved("modal", plant, trial)
     assert nrmse(found.channels, expected.channels) < WAVEFORM[name]
     assert found.energy.fault < 2e-4
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_an_absorber_is_carried(name):
+    """A fifth of the beam's mass near its second mode, on the tip's side."""
+    plant = build_plant(REFERENCE)
+    hung = replace(plant, structure=replace(plant.structure, absorbers=(Absorber(1.2, 0.7, 40.0, 0.03),)))
+    expected = simulator("modal").natural_freqs(hung, 5, Resolution(40))
+    np.testing.assert_allclose(simulator(name).natural_freqs(hung, 5, Resolution()), expected, rtol=2e-4)
+    trial = Trial(FS, noise(512, 30.0))
+    found, answer = moved(name, hung, trial), moved("modal", hung, trial)
+    assert nrmse(found.channels, answer.channels) < WAVEFORM[name]
+    assert found.energy.fault < 2e-4
+    shaken = replace(hung, excitation=SHAKEN.excitation)
+    found, answer = (moved(each, shaken, Trial(FS, noise(512, 10.0))) for each in (name, "modal"))
+    assert nrmse(found.channels, answer.channels) < WAVEFORM[name]
 
 
 @pytest.mark.parametrize("name", ENGINES)
