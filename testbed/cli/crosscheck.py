@@ -18,7 +18,7 @@ Against = Annotated[
 
 
 def crosscheck(rig: RigFile, *, against: Against = None, out: Out = None, as_json: AsJson = False) -> None:
-    """Hold the modal model against MuJoCo and Exudyn: crosscheck.json, a page, figures; status 1 if a bound is missed."""
+    """Modal against MuJoCo against Exudyn: crosscheck.json, a page and figures; status 1 if bounds are missed."""
     folder = out_folder(out, rig)
     with progress() as tell:
         from testbed.crosscheck.run import run_crosscheck
