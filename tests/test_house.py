@@ -19,7 +19,7 @@ MAY_IMPORT = {
     "identification": {"models", "identification"},
     "testbed": {"models", "identification", "testbed"},
 }
-HEAVY = {"numpy", "scipy", "numba", "pydantic", "matplotlib", "typer", "pint", "h5py"}
+HEAVY = {"numpy", "scipy", "numba", "pydantic", "matplotlib", "typer", "pint", "h5py", "mujoco", "exudyn", "trimesh"}
 PYPROJECT = tomllib.loads((HOUSE / "pyproject.toml").read_text())
 
 
