@@ -135,7 +135,7 @@ def _finals(finalists: Sequence[Sketch], fitting: Evaluator, base: Fit, progress
     ranked: list[Ranked] = []
     ruled_out: list[Sketch] = []
     for sketch in finalists:
-        if ranked and ranked[0].fit.ratio < CLOSE_ENOUGH and sketch.fit.ratio > RULED_OUT * finalists[0].fit.ratio:
+        if ranked and ranked[0].fit.ratio < CLOSE_ENOUGH and _is_out(sketch, finalists[0]):
             ruled_out.append(sketch)
             continue
         progress(f"refitting {sketch.effect.label()} with all numbers on {fitting.extent}")
@@ -145,7 +145,7 @@ def _finals(finalists: Sequence[Sketch], fitting: Evaluator, base: Fit, progress
     ordered = with_evidence(ranked)
     ordered = _settled(fitting, with_evidence([*ordered, *_at_sleeves(fitting, base, ordered)]), progress)
     for sketch in ruled_out:
-        farther = (sketch.fit.ratio / finalists[0].fit.ratio) ** 2 - 1.0
+        farther = max(sketch.fit.ratio / finalists[0].fit.ratio, RULED_OUT) ** 2 - 1.0
         behind = 0.5 * farther * ordered[0].fit.n_data
         ordered.append(Ranked(sketch.effect, sketch.fit, refitted=False, log_evidence=ordered[0].log_evidence - behind))
     return ordered
@@ -177,8 +177,14 @@ def _settled(fitting: Evaluator, ranked: list[Ranked], progress: Progress) -> li
     return with_evidence([*rows, *ranked[len(close) :]])
 
 
-RULED_OUT = 1.3
-"""A sketch this many times as far off as the best one, when that reaches the noise, is not refitted."""
+def _is_out(sketch: Sketch, best: Sketch) -> bool:
+    """Whether a sketch already shows that it will not reach what the best one reached."""
+    return sketch.fit.ratio > RULED_OUT * best.fit.ratio or sketch.share < LEFT_BEHIND * best.share
+
+
+RULED_OUT, LEFT_BEHIND = 1.3, 0.85
+"""A sketch so many times as far off as the best one, or that takes away so much less, is not refitted when that reaches
+the noise."""
 
 
 def _best(sketches: Sequence[Sketch], most: int, per_kind: int) -> list[Sketch]:

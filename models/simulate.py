@@ -202,7 +202,7 @@ def _march(
     items = items_of(model)
     out = np.empty((len(sensors), n_steps + 1))
     trace = np.empty((n_steps + 1 if keep_trace else 0, 2 * len(model.ports) + len(items.port)))
-    state = np.zeros(len(system.from_modal)) if start is None else system.from_modal @ start
+    state = np.zeros(len(system.from_modal)) if start is None else system.from_modal @ _resized(start, model.n)
     rows = Reading.of(_output_rows(model, system, sensors))
     done = march(linear, items, inputs, drive.base_motion, state, rows, out, trace, tolerance)
     if done < n_steps:
@@ -211,6 +211,14 @@ def _march(
             "a passive structure stays finite; look for a negative stiffness or damping among the effects"
         )
     return out, _trace_of(model, trace, factor * record.fs) if keep_trace else None
+
+
+def _resized(start: FloatArray, n: int) -> FloatArray:
+    """(2n,) the state of a model with more or fewer static shapes, which rest at the start, from that of another."""
+    state = np.zeros((2, n))
+    known = start.reshape(2, -1)[:, :n]
+    state[:, : known.shape[1]] = known
+    return state.ravel()
 
 
 def _trace_of(model: ModalModel, trace: FloatArray, fs: float) -> Trace:

@@ -6,7 +6,7 @@ height z_i, stands for the beam's
 
     w' = theta + h^2 w''' / 24    and    w = z - h^2 w'' / 24.
 
-The first two hinges are moved so that this also holds at the clamp, up to w'''. Derivation: docs/theory.md, section 8.
+The first two hinges are moved so that this also holds at the clamp, up to w'''. Derivation: docs/theory.md, section 7.
 """
 
 from dataclasses import dataclass

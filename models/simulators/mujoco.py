@@ -43,7 +43,7 @@ class Mujoco(Simulator):
     """A chain of segments, stepped by the engine, with our own laws at the ports."""
 
     name: ClassVar[str] = "mujoco"
-    source: ClassVar[str] = "E. Todorov, T. Erez, Y. Tassa, IROS (2012) 5026; docs/theory.md, section 8"
+    source: ClassVar[str] = "E. Todorov, T. Erez, Y. Tassa, IROS (2012) 5026; docs/theory.md, section 7"
 
     def cannot_carry(self, plant: Plant) -> tuple[str, ...]:
         """An oscillator, an axial load, hinges of damage, one loss factor for all modes, and laws on curvature."""

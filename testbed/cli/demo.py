@@ -1,25 +1,66 @@
-"""``testbed demo``: the whole loop on the records that ship with the project."""
+"""``testbed demo``: the whole loop on records of a virtual test, or on those that ship with the project."""
 
 from pathlib import Path
+from typing import Annotated
+
+import typer
 
 from testbed.cli.diagnose import Again, diagnose_files
-from testbed.cli.options import AsJson, Jobs, Out, Seed
+from testbed.cli.options import AsJson, Jobs, Out, Seed, out_folder
+from testbed.cli.progress import progress
 
-EXAMPLE = "Example: testbed demo --out results/demo"
+EXAMPLE = "Example: testbed demo --with exudyn --out results/demo"
 
-HELD_BACK = "holdout"
+SHIPPED = "shipped"
+HELD_BACK = "multisine_6"
 """Records with this word in their names are kept aside."""
 
+DEMO = Path(__file__).parents[1] / "demo"
 
-def demo(out: Out = None, seed: Seed = 0, jobs: Jobs = 2, again: Again = False, as_json: AsJson = False) -> None:
-    """Diagnose the rig and the records that ship with the project, and say where the report is."""
-    folder = Path(__file__).parents[1] / "demo"
-    records = sorted(path for path in (folder / "records").iterdir() if not path.name.startswith("."))
+With = Annotated[
+    str,
+    typer.Option("--with", metavar="NAME", help="Simulator of the records: mujoco, exudyn, modal; or shipped."),
+]
+
+
+def demo(
+    using: With = "mujoco",
+    out: Out = None,
+    seed: Seed = 0,
+    jobs: Jobs = 2,
+    again: Again = False,
+    as_json: AsJson = False,
+) -> None:
+    """Make records of a rig with grease that its file does not mention, diagnose them, and say where the report is."""
+    folder = out_folder(out, Path("demo"))
+    records = _shipped() if using == SHIPPED else _simulated(using, folder / "records" / using, jobs)
     diagnose_files(
-        folder / "rig.toml",
+        DEMO / "rig.toml",
         [path for path in records if HELD_BACK not in path.stem],
         [path for path in records if HELD_BACK in path.stem],
-        Path("results/demo") if out is None else out,
+        folder,
         [],
-        seed=seed, jobs=jobs, again=again, as_json=as_json,
-    )  # fmt: skip
+        seed=seed,
+        jobs=jobs,
+        again=again,
+        as_json=as_json,
+    )
+
+
+def _shipped() -> list[Path]:
+    return sorted(path for path in (DEMO / "records").iterdir() if not path.name.startswith("."))
+
+
+def _simulated(using: str, folder: Path, jobs: int) -> list[Path]:
+    """Records of the demonstration's experiments by a simulator, made anew unless they are there."""
+    from models.simulators.protocol import Resolution
+    from testbed.simulate_run import Order, run_experiment
+
+    files: list[Path] = []
+    with progress() as tell:
+        for experiment in ("multisines", "sweep"):
+            order = Order(DEMO / "rig.toml", DEMO / f"{experiment}.toml", using, Resolution(), ".uff")
+            tell(f"a virtual test by {using}: {experiment}")
+            content = run_experiment(order, folder / experiment, jobs=jobs, progress=tell)
+            files += [folder / experiment / row["record"] for row in content["records"]]
+    return files

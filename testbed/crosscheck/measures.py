@@ -117,12 +117,14 @@ def rest_differences(rig: Rig, name: str, modal: Simulator, other: Simulator) ->
     ]
     yield Measure(name, "static sag", other.name, 100.0 * float(np.abs(sag[1] / sag[0] - 1.0).max()), bound, "%")
     plant = build_plant(rig)
-    found = other.run(plant, still, REAL[other.name])
+    ours, found = (each.run(plant, still, REAL[each.name]) for each in (modal, other))
     closed = [i for i, gap in enumerate(found.gaps[:, 0]) if gap < 0.0]
     for i in closed:
+        force = 100.0 * abs(float(found.contact_forces[i, 0] / ours.contact_forces[i, 0]) - 1.0)
+        yield Measure(name, f"force at rest of {plant.contacts[i].sleeve}", other.name, force, bound, "%")
         stiffness = abs(found.contact_forces[i, 0] / found.gaps[i, 0])
         wanted = plant.contacts[i].law.elastic(-float(found.gaps[i, 0])) / -float(found.gaps[i, 0])
-        difference = 100.0 * abs(stiffness / wanted - 1.0)
+        difference = 100.0 * abs(float(stiffness / wanted) - 1.0)
         yield Measure(name, f"contact stiffness of {plant.contacts[i].sleeve}", other.name, difference, bound, "%")
 
 

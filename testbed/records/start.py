@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from identification.noise import quiet_floor, silent_floor
 from models.arrays import FloatArray
 from models.rig import Rig
 from testbed.records.plausibility import white_rms
@@ -64,6 +65,20 @@ def _is_off_rest(samples: FloatArray) -> bool:
     return bool(abs(samples[0]) > max(AT_REST * rms, NOISE * white_rms(samples)))
 
 
+def _noise_rms(samples: FloatArray) -> float:
+    """Standard deviation of the noise; a recorder that filters the noise too leaves none in its stopped band."""
+    floors = (quiet_floor(samples).density, silent_floor(samples).density) if samples.size >= FEWEST_TO_HEAR else (0.0,)
+    quiet = float(np.sqrt(min(floors)))
+    return max(white_rms(samples), quiet if quiet < MOST_NOISE * float(np.std(samples)) else 0.0)
+
+
+FEWEST_TO_HEAR = 256
+"""Samples in whose quietest bands and moments noise can be heard."""
+
+MOST_NOISE = 0.02
+"""Share of a channel's rms above which its quietest bands and moments are taken for signal."""
+
+
 def _initial_velocity(acceleration: FloatArray, length: int) -> float:
     """Velocity at the first sample as a share of its rms over the window, or of what noise would make of it."""
     window = acceleration[:length]
@@ -71,5 +86,5 @@ def _initial_velocity(acceleration: FloatArray, length: int) -> float:
     span = np.linspace(-1.0, 1.0, length)
     velocity = velocity - velocity.mean() - span * np.mean(velocity * span) / np.mean(span**2)
     rms = float(np.sqrt(np.mean(velocity**2)))
-    noise = NOISE * WALK * white_rms(acceleration) * np.sqrt(length)
+    noise = NOISE * WALK * _noise_rms(acceleration) * np.sqrt(length)
     return float(abs(velocity[0]) / max(rms, noise / MOVING, np.finfo(float).tiny))

@@ -299,3 +299,16 @@ def test_the_stepper_takes_the_laws_own_slope_and_not_its_coefficient():
     contact = replace(plant.contacts[0], law=Stiffening(1e13))
     model = build_modal(replace(plant, contacts=(contact,)), 880.0)
     assert steps_per_sample(model, 2048.0, 1e-3) < steps_per_sample(model, 2048.0, 1e3)
+
+
+def test_a_start_serves_a_model_with_another_port_too():
+    plant = build_plant(REFERENCE)
+    model = build_modal(plant, 0.43 * FS)
+    start = np.zeros(2 * model.n)
+    start[0], start[model.n + 1] = 1e-3, 0.05
+    spring = EFFECTS["point_damping"](Place(position=0.77), damping=1e-9)
+
+    plants = plant, build_plant(REFERENCE, [spring])
+    alone, other = (simulate(p, record_of(p, None, FS, N), start=start).channels for p in plants)
+
+    np.testing.assert_allclose(other, alone, atol=2e-3 * np.abs(alone).max())

@@ -165,16 +165,29 @@ def test_steps_back_go_through_the_models_of_the_diagnosis(folder, loop, capsys)
     assert (history["current"], history["entries"][0]["model"]) == (2, "as given")
 
 
-def test_the_demo_diagnoses_the_shipped_records_and_keeps_the_holdout_aside(folder, loop, monkeypatch):
+def test_the_demo_diagnoses_the_shipped_records_and_keeps_the_loud_one_aside(folder, loop, monkeypatch):
     shipped = folder / "testbed" / "demo"
     (shipped / "records").mkdir(parents=True)
     for name, new in (
         ("rig.toml", "rig.toml"),
         ("sweep.csv", "records/sweep.csv"),
-        ("burst.csv", "records/holdout.csv"),
+        ("burst.csv", "records/multisine_6.csv"),
     ):
         (shipped / new).write_bytes((folder / name).read_bytes())
-    monkeypatch.setattr("testbed.cli.demo.__file__", str(folder / "testbed" / "cli" / "demo.py"))
-    assert main(["demo"]) == 0
-    assert loop.calls[0][:2] == (["sweep.csv"], ["holdout.csv"])
+    monkeypatch.setattr("testbed.cli.demo.DEMO", shipped)
+    assert main(["demo", "--with", "shipped"]) == 0
+    assert loop.calls[0][:2] == (["sweep.csv"], ["multisine_6.csv"])
     assert (folder / "results" / "demo" / "report.html").exists()
+
+
+def test_the_demo_makes_its_records_with_a_simulator_first(folder, loop, monkeypatch):
+    shipped = folder / "short_demo"
+    shipped.mkdir()
+    (shipped / "rig.toml").write_bytes((folder / "rig.toml").read_bytes())
+    short = 'fs = 512.0\n[excitation]\nkind = "{}"\nhigh = 150.0\n{}\n'
+    (shipped / "multisines.toml").write_text(short.format("multisine", "rms = [3.0, 6.0]\nperiod = 0.25\nperiods = 2"))
+    (shipped / "sweep.toml").write_text(short.format("sweep", "duration = 0.5"))
+    monkeypatch.setattr("testbed.cli.demo.DEMO", shipped)
+    assert main(["demo", "--with", "modal", "--jobs", "1", "--out", "made"]) == 0
+    assert loop.calls[0][:2] == (["multisine_3.uff", "sweep_10.uff"], ["multisine_6.uff"])
+    assert (folder / "made" / "records" / "modal" / "sweep" / "truth.toml").exists()

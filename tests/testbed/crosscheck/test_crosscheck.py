@@ -77,7 +77,7 @@ def test_a_rig_without_contact_is_predictable_and_a_variant_has_another_clearanc
 def test_frequencies_and_rest_agree(name):
     pair = simulator("modal"), simulator(name)
     measures = [*freq_differences(REFERENCE, "r", *pair), *rest_differences(REFERENCE, "r", *pair)]
-    assert len(measures) == 4
+    assert len(measures) == 5
     assert all(measure.holds for measure in measures), measures
 
 
@@ -114,5 +114,7 @@ def test_the_whole_cross_check_keeps_its_bounds():
     orders = {(c.simulator, c.what.split(",")[0]): c.order for c in found.convergence}
     assert orders["mujoco", "segments"] > 3.0
     assert orders["exudyn", "elements"] > 3.0
-    assert all(c.order > 1.0 for c in found.convergence)
+    assert orders["exudyn", "steps per sample"] > 1.8
+    assert orders["modal", "steps per sample"] > 1.8
+    assert orders["mujoco", "steps per sample"] > 0.5  # from 0.07 % on, what the armature at the clamp leaves
     assert len(told) == 7

@@ -5,6 +5,7 @@ import pytest
 from a_rig_and_its_records import a_rig, noise, sensors
 from scipy.signal import butter, sosfiltfilt
 
+from models.band_limit import record_channels
 from models.plant import build_plant
 from models.record import Record
 from models.simulate import simulate
@@ -55,6 +56,16 @@ def moves(rig, record, start=0):
 def records():
     rig = a_rig(sleeves=SLEEVES)
     return rig, {(kind, seed): responded(rig, force) for seed in range(2) for kind, force in forces(seed).items()}
+
+
+def test_noise_that_the_recorder_filters_is_no_motion_at_the_start(records):
+    rig, rows = records
+    for (kind, seed), record in rows.items():
+        size = record.responses.std(axis=1)
+        quiet = simulate(build_plant(rig), record).channels
+        heard = noise(9, *quiet.shape[::-1]).reshape(quiet.shape) * (NOISE * size)[:, None]
+        filtered = quiet + record_channels(heard, 1, quiet.shape[1], FS)
+        assert not moves(rig, dataclasses.replace(record, responses=filtered)), (kind, seed)
 
 
 def test_records_from_rest_start_at_rest(records):
