@@ -12,7 +12,7 @@ PYTHON ?= $(shell for p in python3.14 python3.13 python3.12 python3.11 python3 p
 	$$p -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 && echo $$p && break; \
 	done)
 
-demo: $(STAMP)  ## run the whole loop on the shipped records and write results/demo
+demo: $(STAMP)  ## run the whole loop on a virtual test and write results/demo
 	@$(BIN)/testbed demo --out results/demo
 
 test: $(STAMP)  ## run all tests, the slow ones too
