@@ -32,11 +32,32 @@ def summarise(folder: Path) -> Json:
         "nothing hidden": _row(nothing),
         "false_alarms": sum(case["judged"]["verdict"] == "missing_effect" for case in nothing if "judged" in case),
         "kinds": {kind: _row([case for case in hidden if case["kind"] == kind]) for kind in kinds},
+        "pulls": pulls([case for case in hidden if "judged" in case and case["judged"]["right"]]),
         "misses": [_miss(case) for case in cases if "judged" not in case or not case["judged"]["right"]],
     }
     (folder / "summary.json").write_text(json.dumps(summary, indent=1), encoding="utf-8")
     (folder / "README.md").write_text(_page(summary), encoding="utf-8")
     return summary
+
+
+def pulls(cases: list[Json]) -> list[float]:
+    """Found less true over standard deviation of every number of the effects that were rightly named.
+
+    Args:
+        cases: right ones.
+    """
+    rows = []
+    for case in cases:
+        found = case["judged"]["found"]["parameters"]
+        for name, truth in case["hidden"].items():
+            if (
+                name in found
+                and isinstance(truth, float)
+                and isinstance(found[name]["std"], float)
+                and found[name]["std"]
+            ):
+                rows.append((found[name]["value"] - truth) / found[name]["std"])
+    return rows
 
 
 def _row(cases: list[Json]) -> Json:
@@ -92,6 +113,13 @@ def _page(summary: Json) -> str:
         "|---|---|---|---|---|---|---|---|",
     ]
     lines += [f"| {name} | " + " | ".join(_cells(row)) + " |" for name, row in rows if row["cases"]]
+    far = np.abs(summary["pulls"])
+    if len(far):
+        lines += [
+            "",
+            f"Of the {len(far)} numbers of effects rightly named, {np.mean(far < 2.0):.0%} lie within two of their",
+            f"standard deviations of the truth; the median distance is {np.median(far):.2g} of them.",
+        ]
     lines += ["", f"False alarms: {summary['false_alarms']}.", "", "## Misses", ""]
     lines += [f"- {_in_words(miss)}" for miss in summary["misses"]] or ["None."]
     return "\n".join(lines) + "\n"
