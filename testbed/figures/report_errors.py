@@ -12,6 +12,9 @@ from testbed.figures.report_style import MEASURED, NOISE, literal
 TWO_DIGITS = 9.95
 """Per cent from which no decimal is shown."""
 
+CLEAR = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 0.8}
+"""Behind a number, so that a line that runs through it leaves it readable."""
+
 
 def plot_error_steps(ax: Axes, labels: Sequence[str], errors: FloatArray, noise: float, colours: Sequence[str]) -> None:
     """Error of each model in order, and the noise floor as a line.
@@ -36,6 +39,7 @@ def plot_error_steps(ax: Axes, labels: Sequence[str], errors: FloatArray, noise:
             ha="center",
             va="bottom",
             fontsize=8.5,
+            bbox=CLEAR,
         )
     ax.axhline(100.0 * noise, color=NOISE, linewidth=1.0, linestyle="--", zorder=1)
     ax.annotate(
@@ -70,14 +74,21 @@ def plot_holdout(ax: Axes, place: Sequence[int], errors: FloatArray, noise: floa
             ha="left",
             va="center",
             fontsize=8,
+            bbox=CLEAR,
         )
+    low, high = ax.get_ylim()
+    ax.set_ylim(min(low, values.min() / ROOM), max(high, values.max() * ROOM))
+
+
+ROOM = 1.6
+"""Factor that an axis of errors leaves below its least and above its largest value."""
 
 
 def _percent_axis(ax: Axes) -> None:
     ax.set_yscale("log")
     ax.set_ylabel("error, NRMSE [%]")
     low, high = ax.get_ylim()
-    ax.set_ylim(low / 1.6, high * 1.6)
+    ax.set_ylim(low / ROOM, high * ROOM)
     ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     ax.yaxis.set_minor_formatter(NullFormatter())
     ax.grid(visible=True, axis="y")
