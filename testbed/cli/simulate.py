@@ -45,6 +45,7 @@ def simulate(
 
         order = Order(rig, experiment, using, Resolution(parts, steps), f".{form}")
         content = run_experiment(order, folder, jobs=jobs, progress=tell)
+    from testbed.check import counted
     from testbed.cli.tables import print_json, print_table, say
 
     if as_json:
@@ -61,4 +62,4 @@ def simulate(
     print_table(heads, rows, "in the sleeves")
     worst = max(row["energy_fault"] for row in content["records"])
     say(f"energy that nobody accounts for: {worst:.2g} of what was moved, at most")
-    say(f"written: {len(content['records'])} records, {folder}/truth.toml, simulation.json and figures")
+    say(f"written: {counted(len(content['records']), 'record')}, {folder}/truth.toml, simulation.json and figures")

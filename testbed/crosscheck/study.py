@@ -91,6 +91,12 @@ def crosscheck(
     """
     if not is_beam(rig) or not rig.sleeves:
         raise InputError("a rig without beam or sleeves", "the cross-check is of beams in sleeves", "take another rig")
+    for each in others:
+        if each not in BOUNDS:
+            raise InputError(
+                f"--against {each}", f"the modal model is held against {' or '.join(BOUNDS)}", "name one of these"
+            )
+        simulator(each).check(build_plant(rig))
     modal = simulator("modal")
     measures: list[Measure] = []
     motions: dict[str, Motion] = {}

@@ -106,6 +106,12 @@ def test_an_oscillator_has_nothing_to_cross_check(tmp_path, capsys):
     assert "the cross-check is of beams in sleeves" in capsys.readouterr().err
 
 
+def test_only_simulators_with_bounds_are_held_against_the_modal_model(tmp_path, capsys):
+    rig = str(Path(__file__).parents[2] / "data" / "reference_rig.toml")
+    assert main(["crosscheck", rig, "--against", "modal", "--out", str(tmp_path)]) == 2
+    assert "--against modal; the modal model is held against exudyn or mujoco; name one" in capsys.readouterr().err
+
+
 @pytest.mark.slow
 def test_the_whole_cross_check_keeps_its_bounds():
     told = []
