@@ -182,7 +182,7 @@ def frf(
     named = {sensor.name: sensor for sensor in plant.sensors}
     chosen = [named[name] for name in sensors]
     turn = 2j * np.pi * np.asarray(frequency, float)
-    order = np.array([_ORDER_READ[sensor.quantity] for sensor in chosen])
+    order = np.array([ORDER_READ[sensor.quantity] for sensor in chosen])
     if excitation.quantity == "force":
         place = excitation.position if position is None else position
         load = np.repeat(linear.model.rows(place)[:, None], len(turn), axis=1).astype(complex)
@@ -196,7 +196,8 @@ def frf(
     return motion * read
 
 
-_ORDER_READ = {"displacement": 0, "velocity": 1, "angular_velocity": 1, "acceleration": 2}
+ORDER_READ = {"displacement": 0, "velocity": 1, "angular_velocity": 1, "acceleration": 2}
+"""How often a sensor's quantity is the derivative of the deflection, or of the slope."""
 
 
 def sensor_rows(model: ModalModel, sensors: Sequence[Sensor]) -> FloatArray:

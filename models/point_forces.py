@@ -119,6 +119,20 @@ def point_forces(plant: Plant) -> tuple[PointForce, ...]:
     return tuple(forces)
 
 
+def ports_of(forces: Sequence[PointForce]) -> tuple[Port, ...]:
+    """The places on the structure through which forces act, each once.
+
+    Args:
+        forces: what acts.
+    """
+    return tuple(port for port in dict.fromkeys(force.port for force in forces) if isinstance(port, Port))
+
+
+def forces_on_structure(plant: Plant) -> tuple[PointForce, ...]:
+    """All point forces of a plant but those inside its absorbers, which an engine that has them moves by itself."""
+    return tuple(force for force in point_forces(plant) if isinstance(force.port, Port))
+
+
 def compile_items(forces: Sequence[PointForce], ports: Sequence[Port | Stretch]) -> Items:
     """The point forces for the stepper.
 

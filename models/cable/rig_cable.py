@@ -29,7 +29,7 @@ from models.cable.port_law import PortLaw
 from models.fine.finite_elements import TOUCH
 from models.fine.mesh import place_nodes
 from models.plant import Plant
-from models.point_forces import PointForce, Stretch, point_forces
+from models.point_forces import PointForce, forces_on_structure, ports_of
 from models.ports import Port
 
 
@@ -93,8 +93,8 @@ def build_cable(plant: Plant, n_elements: int, course: Course, held_at: float | 
     """
     container = exu.SystemContainer()
     system, structure = container.AddSystem(), plant.structure
-    forces = tuple(force for force in point_forces(plant) if not isinstance(force.port, Stretch))
-    ports = tuple(port for port in dict.fromkeys(force.port for force in forces) if isinstance(port, Port))
+    forces = forces_on_structure(plant)
+    ports = ports_of(forces)
     laws = tuple(PortLaw([force for force in forces if force.port == port], course.step) for port in ports)
     driven_at = None if plant.excitation is None else plant.excitation.position
     named = [*(port.position for port in ports), driven_at, *(a.position for a in structure.absorbers), held_at]

@@ -19,7 +19,7 @@ from models.chain.segments import Segments
 from models.equilibrium import find_rest, forces_at
 from models.errors import InputError
 from models.plant import Plant
-from models.point_forces import PointForce, Stretch, point_forces
+from models.point_forces import PointForce, forces_on_structure, ports_of
 from models.ports import Port
 
 REST_ITERATIONS = 30
@@ -95,8 +95,8 @@ def build_chain(plant: Plant, n: int, settings: ChainSettings) -> RigChain:
     segments = Segments(plant.structure.length, n)
     model = build_spec(plant, segments, settings).compile()
     data = mujoco.MjData(model)
-    forces = tuple(force for force in point_forces(plant) if not isinstance(force.port, Stretch))
-    ports = _ports_of(forces)
+    forces = forces_on_structure(plant)
+    ports = ports_of(forces)
     rows, place = _settle(model, data, readings(model, plant, segments, ports), ports, forces)
     return RigChain(plant, segments, model, data, ports, forces, rows, data.qpos.copy(), place)
 
@@ -113,7 +113,7 @@ def held_at(chain: RigChain, position: float, force: float) -> FloatArray:
         InputError: no state at rest is found.
     """
     forces = (*chain.forces, PointForce(Port(position), steady, (force,)))
-    ports, data = _ports_of(forces), mujoco.MjData(chain.model)
+    ports, data = ports_of(forces), mujoco.MjData(chain.model)
     data.qpos[:] = chain.rest
     _settle(chain.model, data, readings(chain.model, chain.plant, chain.segments, ports), ports, forces)
     return np.asarray(data.qpos.copy())
@@ -122,10 +122,6 @@ def held_at(chain: RigChain, position: float, force: float) -> FloatArray:
 def steady(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG001
     """A force that stays, with p = (force,)."""
     return p[0]
-
-
-def _ports_of(forces: tuple[PointForce, ...]) -> tuple[Port, ...]:
-    return tuple(port for port in dict.fromkeys(force.port for force in forces) if isinstance(port, Port))
 
 
 def _settle(

@@ -10,7 +10,7 @@ from models.arrays import FloatArray
 from models.band_limit import STOP_EDGE
 from models.drive import Drive, true_drive
 from models.errors import DivergenceError, InputError
-from models.linear import linearised
+from models.linear import linearised, sensor_rows
 from models.modal import ModalModel, build_modal
 from models.plant import Plant
 from models.rest import RestState, find_rest
@@ -69,10 +69,9 @@ class _Traced:
 
 
 def _moved(model: ModalModel, trial: Trial, factor: int, tolerance: float) -> Steps:
-    plant, h, n = model.plant, 1.0 / (trial.fs * factor), model.n
+    plant, h = model.plant, 1.0 / (trial.fs * factor)
     drive = true_drive(trial.excitation, trial.fs, plant, factor, trial.free)
     traced = _marched(model, drive, trial.hold, h, tolerance)
-    rows = np.array([model.rows(s.position, 1 if s.quantity == "angular_velocity" else 0) for s in plant.sensors])
     force, base = driven(plant, trial, factor)
     at_force = model.rows(None if plant.excitation is None else plant.excitation.position)
     power = force * (at_force @ traced.v)
@@ -86,7 +85,7 @@ def _moved(model: ModalModel, trial: Trial, factor: int, tolerance: float) -> St
     stored = 0.5 * np.sum(traced.v**2 + (model.omega[:, None] * traced.q) ** 2, axis=0)
     at, loss = slice(None, None, factor), np.asarray(-np.sum(traced.forces * speed, axis=0), float)
     return Steps(
-        read=rows.reshape(-1, n) @ traced.q,
+        read=sensor_rows(model, plant.sensors) @ traced.q,
         motion=traced.place,
         forces=traced.forces,
         energy=EnergyBalance(

@@ -9,12 +9,10 @@ from models.arrays import FloatArray
 from models.band_limit import record_channels
 from models.effects.protocol import Measurement
 from models.fine.course import base_motion
+from models.linear import ORDER_READ
 from models.plant import Plant
 from models.ports import Port
 from models.simulators.protocol import EnergyBalance, Motion, Trial
-
-ORDER = {"displacement": 0, "velocity": 1, "angular_velocity": 1, "acceleration": 2}
-"""How often a sensor's quantity is the derivative of the deflection, or of the slope."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +45,7 @@ def recorded(
         ports: of ``steps.motion``.
         choices: to be told.
     """
-    order = np.array([ORDER[sensor.quantity] for sensor in plant.sensors])
+    order = np.array([ORDER_READ[sensor.quantity] for sensor in plant.sensors])
     read = np.where(order[:, None] > 0, rate_of(steps.read, trial.fs * factor), steps.read)
     channels = record_channels(read, factor, trial.n_samples, trial.fs, np.maximum(order - 1.0, 0.0))
     base = base_motion(plant, trial.excitation, trial.fs, factor, trial.free)[:3]
@@ -55,7 +53,7 @@ def recorded(
         seen = record_channels(base, factor, trial.n_samples, trial.fs)
         for number, sensor in enumerate(plant.sensors):
             if sensor.quantity != "angular_velocity":
-                channels[number] += seen[ORDER[sensor.quantity]]
+                channels[number] += seen[ORDER_READ[sensor.quantity]]
     measurement = Measurement(tuple(sensor.name for sensor in plant.sensors), trial.fs, trial.free)
     for effect in plant.effects:
         channels = effect.change_channels(channels, measurement)
