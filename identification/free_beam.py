@@ -14,11 +14,9 @@ from scipy import fft
 
 from models.arrays import AnyArray, ComplexArray, FloatArray, IntArray
 from models.band_limit import STOP_EDGE
+from models.linear import ORDER_READ
 from models.modal import ModalModel
-from models.rig import Sensor, SensorQuantity
-
-ORDER: dict[SensorQuantity, int] = {"displacement": 0, "velocity": 1, "acceleration": 2, "angular_velocity": 1}
-"""How often the displacement, or for a gyroscope the slope, is differentiated in time."""
+from models.rig import Sensor
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,4 +134,4 @@ def sensor_rows(model: ModalModel, sensors: Sequence[Sensor]) -> tuple[FloatArra
         sensors: where they really are.
     """
     rows = [model.rows(s.position, 1 if s.quantity == "angular_velocity" else 0) for s in sensors]
-    return np.stack(rows), np.array([float(ORDER[s.quantity]) for s in sensors])
+    return np.stack(rows), np.array([float(ORDER_READ[s.quantity]) for s in sensors])

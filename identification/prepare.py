@@ -12,6 +12,7 @@ from identification.noise import estimate_noise
 from identification.rest_target import FrfTarget, ModesTarget
 from models.arrays import FloatArray
 from models.band_limit import STOP_EDGE
+from models.linear import ORDER_READ
 from models.modal import ModalModel, build_modal
 from models.record import AnyRecord, FrfRecord, Record
 from models.simulate import MAX_STEPS_PER_SAMPLE, Settings
@@ -77,7 +78,7 @@ def _state_scales(model: ModalModel, record: Record) -> FloatArray:
     for name, channel in zip(record.sensors, record.responses, strict=True):
         sensor = by_name[name]
         turns = sensor.quantity == "angular_velocity"
-        order = {"displacement": 0, "velocity": 1, "angular_velocity": 1, "acceleration": 2}[sensor.quantity]
+        order = ORDER_READ[sensor.quantity]
         shape = np.abs(model.rows(sensor.position, 1 if turns else 0))
         size = np.maximum(size, float(np.std(channel)) / (np.maximum(shape, 0.1 * shape.max()) * omega**order))
     size[model.omega > 2.0 * pi * STOP_EDGE * record.fs] = 0.0

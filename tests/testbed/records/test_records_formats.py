@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 import testbed.records
 from models.errors import InputError
+from models.rig_file import RECORDS
 from testbed.records.formats import FORMATS
 from testbed.records.read import read_record
 from testbed.records.write import write_record
@@ -296,3 +297,7 @@ def test_a_sensor_called_like_the_time_base_cannot_be_written(tmp_path, suffix):
     rig = a_rig(sensors=[{"name": name, "position": p} for name, (_, _, p) in zip("tabc", SENSORS, strict=True)])
     with pytest.raises(InputError, match=r'channel "t" as variable t.*rename the sensor'):
         write_record(a_record(sensors=("t", "a", "b", "c")), rig, tmp_path / f"run{suffix}")
+
+
+def test_whatever_is_read_as_a_record_is_not_taken_for_a_rig():
+    assert set(FORMATS) == RECORDS
