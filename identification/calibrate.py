@@ -95,6 +95,14 @@ def pulled(result: Fit) -> bool:
     return bool(_beyond(result, PULLED_SIGMA))
 
 
+def put_back(result: Fit) -> Hypothesis:
+    """The model of a fit with the numbers that were pulled away where they were given."""
+    hypothesis = result.hypothesis
+    for unknown in _beyond(result, PULLED_SIGMA):
+        hypothesis = unknown.set(hypothesis, 0.0)
+    return hypothesis
+
+
 PULLED_SIGMA = 3.0
 """One true number in some 400 lies this many standard deviations from its given value."""
 

@@ -182,10 +182,10 @@ def _round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
     timed = bool(session.everything.timed)
     lasting = {name: kind for name, kind in session.registry.items() if kind.family == "time" and timed}
     instant = {name: kind for name, kind in session.registry.items() if kind.family != "time"}
-    screening = []
+    searching, screening = session.searching(base), []
     for kinds, seconds, most in ((instant, SCREEN_SECONDS, 2), (lasting, TIME_SECONDS, 1)):
         if kinds:
-            evaluator = cut_to(session.everything, seconds, session.limits, most)
+            evaluator = cut_to(searching, seconds, session.limits, most)
             screening.append(
                 (evaluator, fit(evaluator, base.hypothesis, concerning(base, evaluator), max_iterations=1), kinds)
             )

@@ -3,11 +3,11 @@
 The threads share the records; the time stepper and the transforms run outside Python's lock.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 import numpy as np
 from scipy import fft
@@ -22,6 +22,9 @@ from models.band_limit import SCORE_EDGE
 from models.errors import DivergenceError
 from models.record import AnyRecord, Record
 from models.simulate import Response, Settings
+
+Item = TypeVar("Item")
+Product = TypeVar("Product")
 
 
 class Target(Protocol):
@@ -143,6 +146,18 @@ def nrmse(residual: ComplexArray, measured: ComplexArray) -> float:
     return float(np.sqrt(np.sum(np.abs(residual) ** 2) / np.sum(np.abs(measured) ** 2)))
 
 
+def in_parallel(jobs: int, work: Callable[[Item], Product], items: Iterable[Item]) -> list[Product]:
+    """The results in order; with one job in the caller's own thread, so that work in parallel can itself be divided.
+
+    Args:
+        jobs: threads.
+        work: what releases Python's lock for most of its time.
+        items: one after the other.
+    """
+    pool = _pool(jobs)
+    return [work(item) for item in items] if jobs == 1 else list(pool.map(work, items))
+
+
 @cache
 def _pool(jobs: int) -> ThreadPoolExecutor:
     """One pool for all evaluators; its threads do small algebra, in which the library's own threads get in the way."""
@@ -172,6 +187,10 @@ class Evaluator:
     def with_settings(self, settings: Settings) -> "Evaluator":
         """The same at another resolution."""
         return Evaluator(self.targets, self.jobs, settings)
+
+    def with_jobs(self, jobs: int) -> "Evaluator":
+        """The same in so many threads."""
+        return Evaluator(self.targets, jobs, self.settings)
 
     @cached_property
     def timed(self) -> tuple[TimeTarget, ...]:
@@ -216,7 +235,7 @@ class Evaluator:
             return hypothesis.simulated(target.driven, settings or self.settings, plant)
 
         self.n_runs += len(self.timed)
-        return list(_pool(self.jobs).map(one, self.timed))
+        return in_parallel(self.jobs, one, self.timed)
 
     def residuals(self, hypotheses: Iterable[tuple[Hypothesis, str | None]]) -> list[FloatArray | None]:
         """Residuals in units of the noise, one row of ``n_data`` numbers a hypothesis, None where it diverges.
@@ -248,7 +267,7 @@ class Evaluator:
                 row[ends[k] - len(part) : ends[k]] = part
 
         self.n_runs += len(jobs)
-        list(_pool(self.jobs).map(one, jobs))
+        in_parallel(self.jobs, one, jobs)
         return rows
 
 

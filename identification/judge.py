@@ -2,17 +2,20 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from math import inf
 
-from identification.calibrate import beginning, calibrate, concerning, pulled
+from identification.calibrate import Windows, beginning, calibrate, concerning, pulled, put_back
 from identification.evaluate import Evaluator
 from identification.evidence import Ranked, misfit_in_common, reweighed, with_evidence
 from identification.fit import Fit, fit
-from identification.hypothesis import free_place, own_unknowns
+from identification.hypothesis import Hypothesis, free_place, own_unknowns
 from identification.progress import Progress
-from identification.scene import GRID, places_of
-from identification.screen import Suspect, promising, screen, survey
+from identification.scene import GRID, sleeves_of
+from identification.screen import Projection, Suspect, promising, screen, survey
 from identification.sketch import (
+    FAR_BEHIND,
     HEATS,
+    TOLERANCE,
     Sketch,
     afresh,
     apart,
@@ -25,6 +28,9 @@ from identification.sketch import (
 from models.effects import Effect, Registry
 from models.rig import Beam
 
+REFIT_WINDOWS: Windows = ((0.35, 2.0),)
+"""The sketch has seen the beginning."""
+
 PER_KIND = 2
 """Places of each kind that are sketched."""
 
@@ -33,9 +39,6 @@ MOST_LONG_SKETCHES = 8
 
 FINALISTS = 4
 REFITS_PER_KIND = 2
-
-FAR_BEHIND = 0.5
-"""A suspect whose sketch takes away less than this share of what the best one does is left out."""
 
 
 def judge(
@@ -85,13 +88,36 @@ def _is_lasting(registry: Registry) -> bool:
 
 
 def _screened(evaluator: Evaluator, there: Fit, registry: Registry, base: Fit, progress: Progress) -> list[Sketch]:
-    """Sketches of what could take most away beyond the rig's numbers, from the calibrated model on longer records."""
-    del base  # the same model, on all that is fitted
-    found = promising(screen(evaluator, there, registry, progress), PER_KIND, _distance(there))
-    found = first_of_each_kind(found)[:MOST_LONG_SKETCHES]
+    """Sketches of what could take most away beyond the rig's numbers, on longer records than a survey's.
+
+    They begin at the calibrated numbers, but for those that were pulled away, very likely by what is missing. Where the
+    beginning of the records tells enough, it is surveyed: nothing has to be in proportion to an effect's size there.
+    """
+    lasting = _is_lasting(registry)
+    start = there.hypothesis if lasting else put_back(there)
+    telling = None if lasting else _telling(evaluator, start, base)
+    seen = screen(evaluator, there, registry, progress) if telling is None else survey(*telling, registry, progress)
+    found = first_of_each_kind(promising(seen, PER_KIND, _distance(there)))[:MOST_LONG_SKETCHES]
     progress(f"sketching {len(found)} suspects on {evaluator.extent}")
     effects = [suspect.effect for suspect in found]
-    return sketched_from_calibrated(evaluator, there, effects, registry, grown=not _is_lasting(registry))
+    return sketched_from_calibrated(evaluator, there, start, effects, registry, grown=not lasting)
+
+
+def _telling(evaluator: Evaluator, start: Hypothesis, base: Fit) -> tuple[Evaluator, Fit] | None:
+    """The shortest beginning on which more than noise is left beside the rig's numbers, and the model there."""
+    for share, seconds in TELLING_WINDOWS:
+        window = beginning(evaluator, share, seconds)
+        bare = fit(window, start, concerning(base, window), max_iterations=0)
+        if Projection(bare).misfit > TELLING**2 * bare.n_data:
+            return window, bare
+    return None
+
+
+TELLING_WINDOWS: Windows = ((0.02, 0.4), (0.1, 0.75), (0.2, 1.5))
+"""Shares of the response's energy, and seconds at least, that are surveyed."""
+
+TELLING = 1.3
+"""Residual over noise that tells effects apart."""
 
 
 SMALL, LARGE = 3.0, 8.0
@@ -131,24 +157,57 @@ def first_of_each_kind(suspects: Sequence[Suspect]) -> list[Suspect]:
 
 
 def _finals(finalists: Sequence[Sketch], fitting: Evaluator, base: Fit, progress: Progress) -> list[Ranked]:
-    """The finalists refitted, unless the first reaches the noise and the beginning alone already rules another out."""
+    """The finalists refitted, but for those that plainly stay above the noise that another has reached."""
     ranked: list[Ranked] = []
-    ruled_out: list[Sketch] = []
+    beaten: list[tuple[Fit, float]] = []
+    leader: tuple[Sketch, Fit] | None = None
     for sketch in finalists:
-        if ranked and ranked[0].fit.ratio < CLOSE_ENOUGH and _is_out(sketch, finalists[0]):
-            ruled_out.append(sketch)
+        if leader is not None and _is_out(sketch, leader[0]):
+            beaten.append((sketch.fit, max(sketch.fit.ratio / leader[0].fit.ratio, RULED_OUT)))
             continue
         progress(f"refitting {sketch.effect.label()} with all numbers on {fitting.extent}")
-        result = refit(fitting, base, sketch.effect, sketch.fit.hypothesis.values)
+        found = sketch.fit.hypothesis
+        if leader is not None:
+            first, farther = _beside(leader[1], fitting, base, found)
+            if first is not None and farther > RULED_OUT:
+                beaten.append((first, farther))
+            if first is None or farther > RULED_OUT:
+                continue
+            found = first.hypothesis
+        result = refit(fitting, base, found.effects[-1], found.values, () if leader else REFIT_WINDOWS)
         if result is not None:
             ranked.append(Ranked(result.hypothesis.effects[-1], result, refitted=True, log_evidence=0.0))
+            if result.ratio < min(CLOSE_ENOUGH, leader[1].ratio if leader else CLOSE_ENOUGH):
+                leader = (sketch, result)
     ordered = with_evidence(ranked)
     ordered = _settled(fitting, with_evidence([*ordered, *_at_sleeves(fitting, base, ordered)]), progress)
-    for sketch in ruled_out:
-        farther = max(sketch.fit.ratio / finalists[0].fit.ratio, RULED_OUT) ** 2 - 1.0
-        behind = 0.5 * farther * ordered[0].fit.n_data
-        ordered.append(Ranked(sketch.effect, sketch.fit, refitted=False, log_evidence=ordered[0].log_evidence - behind))
+    for fit_there, farther in beaten:
+        behind = 0.5 * (farther**2 - 1.0) * ordered[0].fit.n_data
+        evidence = ordered[0].log_evidence - behind
+        ordered.append(Ranked(fit_there.hypothesis.effects[-1], fit_there, refitted=False, log_evidence=evidence))
     return ordered
+
+
+def _beside(leader: Fit, fitting: Evaluator, base: Fit, found: Hypothesis) -> tuple[Fit | None, float]:
+    """A model fitted on the beginning, and how many times as far off as the leader it is there.
+
+    It is fitted with the leader's slopes: whatever comes as near to the records has nearly the same.
+    """
+    window = beginning(fitting, *REFIT_WINDOWS[0])
+    there = fit(window, leader.hypothesis, leader.unknowns, max_iterations=0)
+    unknowns = (*base.unknowns, *own_unknowns(found))
+    slopes = there.jacobian[: len(base.unknowns)]
+    try:
+        first = fit(
+            window, found, unknowns, max_iterations=ITERATIONS_BESIDE, jacobian=slopes, keep=True, tolerance=TOLERANCE
+        )
+    except ArithmeticError:
+        return None, inf
+    return first, first.ratio / there.ratio
+
+
+ITERATIONS_BESIDE = 8
+"""Of a model that has to come near the noise, which another has reached, to be fitted further."""
 
 
 def _at_sleeves(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked]) -> list[Ranked]:
@@ -157,8 +216,8 @@ def _at_sleeves(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked]) -> list
         return []
     effect, rig = ranked[0].effect, ranked[0].fit.hypothesis.rig
     rows = []
-    for place in places_of(type(effect), rig) if free_place(effect) else ():
-        if place.sleeve is not None and is_same_place(place, effect.place, rig):
+    for place in sleeves_of(rig) if free_place(effect) and "sleeve" in effect.places else ():
+        if is_same_place(place, effect.place, rig):
             result = refit(fitting, base, replace(effect, place=place), ranked[0].fit.hypothesis.values)
             if result is not None:
                 rows.append(Ranked(result.hypothesis.effects[-1], result, refitted=True, log_evidence=0.0))
@@ -232,18 +291,29 @@ CLOSE_ENOUGH = 1.1
 """Residual over noise at which no other start is tried."""
 
 
-def refit(evaluator: Evaluator, base: Fit, effect: Effect, values: Mapping[str, float]) -> Fit | None:
-    """Everything refitted with one more effect, from the rig's ``values``; None where the model with it diverges."""
+def refit(
+    evaluator: Evaluator,
+    base: Fit,
+    effect: Effect,
+    values: Mapping[str, float],
+    windows: Windows = REFIT_WINDOWS,
+) -> Fit | None:
+    """Everything refitted with one more effect; None where the model with it diverges.
+
+    Args:
+        evaluator: records to fit.
+        base: the model without the effect, for its effects and unknowns.
+        effect: where its fit begins.
+        values: of the rig's numbers there.
+        windows: of the first fits.
+    """
     hypothesis = replace(base.hypothesis, values=values).with_effects(effect)
     try:
         unknowns = (*base.unknowns, *own_unknowns(hypothesis))
-        return calibrate(evaluator, hypothesis, unknowns, REFIT_WINDOWS, tolerance=REFIT_TOLERANCE)
+        return calibrate(evaluator, hypothesis, unknowns, windows, tolerance=REFIT_TOLERANCE)
     except ArithmeticError:
         return None
 
-
-REFIT_WINDOWS = ((0.35, 2.0),)
-"""The sketch has seen the beginning."""
 
 REFIT_TOLERANCE = 2e-3
 """Relative decrease of the cost that ends a refit; the one that wins is polished."""

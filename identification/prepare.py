@@ -89,12 +89,13 @@ RESOLVED = 0.25
 """Discretisation error, as a share of the noise, that a fit does not see."""
 
 
-def resolved(evaluator: Evaluator, hypothesis: Hypothesis) -> Evaluator:
+def resolved(evaluator: Evaluator, hypothesis: Hypothesis, misfit: float = 1.0) -> Evaluator:
     """The evaluator with as many steps per sample as keep the stepping error well below the noise.
 
     Args:
         evaluator: with the records to judge on.
         hypothesis: the model whose steps are halved until nothing changes.
+        misfit: residual over noise below which the error is to stay, where more than the noise is to be explained.
     """
     while evaluator.timed:
         coarse = evaluator.responses(hypothesis)
@@ -106,7 +107,7 @@ def resolved(evaluator: Evaluator, hypothesis: Hypothesis) -> Evaluator:
         for target, one, other in zip(evaluator.timed, coarse, evaluator.responses(hypothesis, finer), strict=True):
             change = whitened(target.spectrum(one.channels - other.channels), target)
             error = max(error, float(np.sqrt(np.mean(change**2))))
-        if error * COARSE_SHARE < RESOLVED:
+        if error * COARSE_SHARE < RESOLVED * max(1.0, misfit):
             return evaluator
         evaluator = evaluator.with_settings(finer)
     return evaluator

@@ -24,29 +24,41 @@ GRID = 12
 
 
 def places_of(kind: type[Effect], rig: Rig) -> list[Place]:
-    """Where an effect of this kind could sit on this rig, positions on a grid that a fit refines."""
+    """Where an effect of this kind could sit on this rig, positions on a grid that a fit refines.
+
+    What can sit anywhere is looked for at the sleeves' positions, from where a fit can move it.
+    """
     if not isinstance(rig.structure, Beam):
         return [Place(sensor=s.name) for s in rig.sensors] if "sensor" in kind.places else [Place()]
     if not kind.places:
         return [Place()]
-    places = [Place(sleeve=s.name, position=s.position) for s in rig.sleeves] if "sleeve" in kind.places else []
+    places: list[Place] = []
     if "position" in kind.places:
         length = rig.structure.length
-        places += [Place(position=float(x)) for x in length * np.arange(1, GRID + 1) / GRID]
+        grid = [float(x) for x in length * np.arange(1, GRID + 1) / GRID]
+        places += [Place(position=x) for x in sorted({*grid, *(s.position for s in rig.sleeves)})]
+    elif "sleeve" in kind.places:
+        places += sleeves_of(rig)
     if "sensor" in kind.places:
         places += [Place(sensor=s.name) for s in rig.sensors]
     return places
+
+
+def sleeves_of(rig: Rig) -> list[Place]:
+    """The sleeves of a rig as places."""
+    return [Place(sleeve=s.name, position=s.position) for s in rig.sleeves]
 
 
 def places_near(kind: type[Effect], rig: Rig, position: float) -> list[Place]:
     """Where an effect of this kind could sit at a position along the beam, m, at a sleeve close by, or all over."""
     if not kind.places:
         return [Place()]
-    places = [Place(position=position)] if "position" in kind.places else []
+    if "position" in kind.places:
+        return [Place(position=position)]
     if "sleeve" in kind.places and isinstance(rig.structure, Beam):
         close = NEAR * rig.structure.length
-        places += [Place(sleeve=s.name, position=s.position) for s in rig.sleeves if abs(s.position - position) < close]
-    return places
+        return [p for p in sleeves_of(rig) if p.position is not None and abs(p.position - position) < close]
+    return []
 
 
 NEAR = 0.08

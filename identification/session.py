@@ -12,9 +12,13 @@ from identification.noise_left import noise_left, noise_uncovered, with_noise
 from identification.prepare import Horizon, resolved
 from identification.progress import Progress
 from models.effects import Registry
+from models.simulate import Settings
 
 MOST_LOWERINGS = 3
 """A fit on noise taken far too high is held by the tolerances and leaves more than it would: so it is repeated."""
+
+SEARCH_SHARE = 0.25
+"""Share of what the model leaves that coarse steps are weighed against in the search, as the noise is in the fits."""
 
 REWEIGHING_TOLERANCE = 2e-3
 """Relative decrease of the cost that ends a fit on new weights."""
@@ -59,6 +63,16 @@ class Session:
             f"steps halved to {finer.settings.steps_per_sample} per sample: the coarser ones stood above the noise"
         )
         return fit(finer, result.hypothesis, result.unknowns, precise=True)
+
+    def searching(self, base: Fit) -> Evaluator:
+        """All records at the resolution at which suspects are looked for: what the model misses hides coarser steps.
+
+        Args:
+            base: the model that suspects are added to.
+        """
+        coarse = self.fitting.with_settings(Settings(self.fitting.settings.n_modes))
+        settings = resolved(coarse, base.hypothesis, SEARCH_SHARE * base.ratio).settings
+        return self.everything.with_settings(settings)
 
     def relearn(self, result: Fit, *, uncover: bool = False) -> Fit:
         """The fit again with the noise lowered to what it leaves, for as long as it leaves clearly less.

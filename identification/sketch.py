@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 from math import inf
 
 from identification.calibrate import beginning, concerning
-from identification.evaluate import Evaluator
+from identification.evaluate import Evaluator, in_parallel
 from identification.evidence import log_occam
 from identification.fit import Fit, fit
-from identification.hypothesis import Hypothesis, Unknown, free_place, own_unknowns
+from identification.hypothesis import Hypothesis, Unknown, own_unknowns
 from identification.progress import silent
 from identification.scene import NEAR
 from identification.screen import Projection, promising, survey
@@ -79,11 +79,25 @@ def heats(
     for share, seconds, most in HEATS:
         window = beginning(evaluator, share, seconds)
         ground = ground_of(window, start, base)
+        met = bool(sketches) and sketches[0].fit.ratio < REACHED
         sketches = apart(sketched(ground, starts))
-        others = rivals(window, base, sketches, registry)
+        others = [] if met else rivals(window, base, sketches, registry)
         sketches = apart(by_share([*sketches, *sketched(ground, others)]))[:most]
+        if sketches and sketches[0].fit.ratio < REACHED:
+            near = [sketch for sketch in sketches if sketch.share > FAR_BEHIND * sketches[0].share]
+            sketches = sketches[: max(len(near), LEAST_LEFT)]
         starts = [sketch.fit.hypothesis for sketch in sketches]
     return sketches
+
+
+REACHED = 1.1
+"""Residual over noise at which the best suspect has met all its rivals, and those far behind it are dropped."""
+
+FAR_BEHIND = 0.5
+"""A suspect whose sketch takes away less than this share of what the best one does is left out."""
+
+LEAST_LEFT = 4
+"""Suspects left by a heat at least, however far behind."""
 
 
 def afresh(model: Hypothesis) -> Hypothesis:
@@ -135,17 +149,11 @@ def by_share(sketches: Sequence[Sketch]) -> list[Sketch]:
 
 
 def apart(sketches: Sequence[Sketch]) -> list[Sketch]:
-    """The sketches without those that ended where a better one of the same kind already is.
-
-    Of a sleeve and a position beside it the position is kept: a fit can bring it to the sleeve, but not the other way.
-    """
+    """The sketches without those that ended where a better one of the same kind already is."""
     kept: list[Sketch] = []
     for sketch in sketches:
-        alike = next((i for i, other in enumerate(kept) if is_alike(sketch.fit, other.fit)), None)
-        if alike is None:
+        if not any(is_alike(sketch.fit, other.fit) for other in kept):
             kept.append(sketch)
-        elif kept[alike].effect.place.sleeve is not None and free_place(sketch.effect):
-            kept[alike] = sketch
     return kept
 
 
@@ -221,18 +229,20 @@ def sketched(ground: Ground, suspects: Sequence[Hypothesis]) -> list[Sketch]:
         ground: records to fit.
         suspects: the model with one effect more each.
     """
-    sketches = []
-    for suspect in suspects:
+    evaluator = ground.evaluator.with_jobs(1)
+
+    def one(suspect: Hypothesis) -> Sketch | None:
         own = own_unknowns(suspect)
-        alone = _tried(ground.evaluator, suspect, own, ITERATIONS_ALONE)
+        alone = _tried(evaluator, suspect, own, ITERATIONS_ALONE)
         unknowns = (*ground.bare.unknowns, *own)
-        found = alone and _tried(ground.evaluator, alone.hypothesis, unknowns, ITERATIONS, ground.slopes)
-        sketches += [Sketch(ground.bare, found)] if found else []
-    return by_share(sketches)
+        found = alone and _tried(evaluator, alone.hypothesis, unknowns, ITERATIONS, ground.slopes)
+        return Sketch(ground.bare, found) if found else None
+
+    return by_share([sketch for sketch in in_parallel(ground.evaluator.jobs, one, suspects) if sketch])
 
 
 def sketched_from_calibrated(
-    evaluator: Evaluator, there: Fit, suspects: Sequence[Effect], registry: Registry, *, grown: bool
+    evaluator: Evaluator, there: Fit, start: Hypothesis, suspects: Sequence[Effect], registry: Registry, *, grown: bool
 ) -> list[Sketch]:
     """Each suspect, then the rivals of the best, fitted with all unknowns together on whole records; best first.
 
@@ -242,31 +252,36 @@ def sketched_from_calibrated(
     Args:
         evaluator: records to fit.
         there: the calibrated model on them.
+        start: that model, or where the fits are better begun.
         suspects: effects at trial sizes.
         registry: kinds to try where the best of them sits.
         grown: try that second start too.
     """
-    projection = Projection(there)
+    bare = there if start is there.hypothesis else fit(evaluator, start, there.unknowns, max_iterations=0)
+    projection = Projection(bare)
     given = afresh(there.hypothesis)
-    windows = [beginning(evaluator, share, seconds) for share, seconds, _ in HEATS] if grown else []
-    bare = [fit(window, given, concerning(there, window), max_iterations=0) for window in windows]
-    sketches = []
-    for suspect in suspects:
+    alone = evaluator.with_jobs(1)
+    windows = [beginning(alone, share, seconds) for share, seconds, _ in HEATS] if grown else []
+    shorter = [fit(window, given, concerning(there, window), max_iterations=0) for window in windows]
+
+    def one(suspect: Effect) -> Sketch | None:
         sizes = [suspect.scaled(factor) for factor in SIZES]
-        starts = [_best_size(evaluator, there.hypothesis, projection, sizes)]
+        starts = [_best_size(alone, start, projection, sizes)]
         if grown:
-            starts += _grown(windows, bare, _best_size(windows[0], given, Projection(bare[0]), sizes))
-        sketches += _together(evaluator, there, starts)
-    for rival in rivals(evaluator, there, by_share(sketches), registry)[:MOST_LONG_RIVALS]:
-        sketches += _together(evaluator, there, [rival])
-    return by_share(sketches)
+            starts += _grown(windows, shorter, _best_size(windows[0], given, Projection(shorter[0]), sizes))
+        return _together(alone, there, starts, bare.jacobian)
+
+    sketches = [sketch for sketch in in_parallel(evaluator.jobs, one, suspects) if sketch]
+    others = rivals(evaluator, there, by_share(sketches), registry)[:MOST_LONG_RIVALS]
+    more = in_parallel(evaluator.jobs, lambda rival: _together(alone, there, [rival], bare.jacobian), others)
+    return by_share([*sketches, *(sketch for sketch in more if sketch)])
 
 
-def _together(evaluator: Evaluator, there: Fit, starts: Sequence[Hypothesis]) -> list[Sketch]:
-    """The best sketch from some starts of one suspect, with all unknowns at once; none where all diverge."""
+def _together(evaluator: Evaluator, there: Fit, starts: Sequence[Hypothesis], slopes: FloatArray) -> Sketch | None:
+    """The best sketch from some starts of one suspect, with all unknowns at once; None where all diverge."""
     unknowns = (*there.unknowns, *own_unknowns(starts[0]))
-    fits = [found for start in starts if (found := _tried(evaluator, start, unknowns, ITERATIONS_TOGETHER))]
-    return [Sketch(there, min(fits, key=lambda found: found.cost))] if fits else []
+    fits = [found for start in starts if (found := _tried(evaluator, start, unknowns, ITERATIONS_TOGETHER, slopes))]
+    return Sketch(there, min(fits, key=lambda found: found.cost)) if fits else None
 
 
 def _best_size(evaluator: Evaluator, model: Hypothesis, projection: Projection, sizes: Sequence[Effect]) -> Hypothesis:

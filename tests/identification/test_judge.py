@@ -84,11 +84,16 @@ def refits(monkeypatch):
     """Refits that leave a residual over noise by the effect's kind, and the kinds that were refitted."""
     ratios, asked = {}, []
 
-    def refit(evaluator, base, effect, values):
+    def refit(evaluator, base, effect, values, windows):
         asked.append(effect.kind)
         return fit_of(effect, 1000.0 * ratios[effect.kind] ** 2)
 
+    def beside(leader, fitting, base, found):
+        ratio = ratios[found.effects[-1].kind]
+        return fit_of(found.effects[-1], 1000.0 * ratio**2), ratio / leader.ratio
+
     monkeypatch.setattr(judging, "refit", refit)
+    monkeypatch.setattr(judging, "_beside", beside)
     return ratios, asked
 
 
@@ -107,6 +112,27 @@ def test_when_the_first_reaches_the_noise_those_far_off_are_not_refitted(refits)
     assert asked == ["point_mass"]
     assert [(r.effect.kind, r.refitted) for r in rows] == [("point_mass", True), ("point_damping", False)]
     assert rows[1].log_evidence < rows[0].log_evidence
+
+
+def test_what_is_plainly_above_the_noise_beside_the_one_that_reaches_it_is_not_fitted_further(refits):
+    ratios, asked = refits
+    ratios.update(point_mass=1.5, point_damping=1.0, point_stiffness=1.1 * RULED_OUT, sensor_gain=0.9 * RULED_OUT)
+    effects = [
+        MASS,
+        PointDamping(HERE, damping=1.0),
+        PointStiffness(HERE, stiffness=1.0),
+        SensorGain(Place(sensor="P3"), gain=0.5),
+    ]
+
+    rows = finals([sketch(effect, 0.9) for effect in effects])
+
+    assert asked == ["point_mass", "point_damping", "sensor_gain"]
+    assert [(r.effect.kind, r.refitted) for r in rows] == [
+        ("point_damping", True),
+        ("sensor_gain", True),
+        ("point_mass", True),
+        ("point_stiffness", False),
+    ]
 
 
 def test_while_none_reaches_the_noise_all_are_refitted(refits):
