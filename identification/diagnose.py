@@ -21,6 +21,7 @@ from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, effect_unknowns
 from identification.intervals import corrected
 from identification.judge import judge, refit, restarted
+from identification.look import View
 from identification.maps import error_map
 from identification.missing_force import missing_forces
 from identification.noise_left import NOISE_NEAR, noise_left, with_noise
@@ -182,14 +183,13 @@ def _round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
     timed = bool(session.everything.timed)
     lasting = {name: kind for name, kind in session.registry.items() if kind.family == "time" and timed}
     instant = {name: kind for name, kind in session.registry.items() if kind.family != "time"}
-    searching, screening = session.searching(base), []
+    searching, views = session.searching(base), []
     for kinds, seconds, most in ((instant, SCREEN_SECONDS, 2), (lasting, TIME_SECONDS, 1)):
         if kinds:
             evaluator = cut_to(searching, seconds, session.limits, most)
-            screening.append(
-                (evaluator, fit(evaluator, base.hypothesis, concerning(base, evaluator), max_iterations=1), kinds)
-            )
-    ranked = judge(screening, session.fitting, base, session.progress)
+            there = fit(evaluator, base.hypothesis, concerning(base, evaluator), max_iterations=1)
+            views.append(View(evaluator, there, kinds))
+    ranked = judge(views, session.fitting, base, session.progress)
     if not ranked:
         return [], None
     without = replace(ranked[0].fit.hypothesis, effects=base.hypothesis.effects)

@@ -102,6 +102,17 @@ class TimeTarget:
         return 2 * self.measured.size
 
     @property
+    def repeats(self) -> float:
+        """How many times a sum over channels counts noise at most: what a force's noise does, it does to all at once.
+
+        The largest eigenvalue of the correlation between the channels, with the sensors' own noise on its diagonal, in
+        the mean over the lines by how much they tell.
+        """
+        own = np.minimum(self.with_noise(self.noise).density / self.density, 1.0)
+        tells = np.abs(self.measured) ** 2 / self.density
+        return float(1.0 + (1.0 - np.average(own, weights=tells)) * (len(self.measured) - 1))
+
+    @property
     def nrmse_of_noise(self) -> float:
         """NRMSE that the noise alone leaves."""
         n = self.record.n_samples
@@ -206,6 +217,12 @@ class Evaluator:
     def n_data(self) -> int:
         """Real numbers in a residual."""
         return sum(target.n_data for target in self.targets)
+
+    @cached_property
+    def repeats(self) -> float:
+        """How many times a sum over channels counts noise at most, over all records."""
+        counts = [target.repeats if isinstance(target, TimeTarget) else 1.0 for target in self.targets]
+        return float(np.average(counts, weights=[target.n_data for target in self.targets]))
 
     @property
     def extent(self) -> str:

@@ -34,21 +34,41 @@ class Ranked:
 def with_evidence(ranked: Sequence[Ranked]) -> list[Ranked]:
     """Sorted by Laplace's approximation to the evidence, with residuals in units of what the best fit leaves.
 
-    log Z = -cost / (2 s^2) + log(volume of the posterior / volume of the prior) over the effect's unknowns; s^2 is 1
-    where the noise is reached and the best reduced chi-square where no model reaches it, so that a misfit common to all
-    does not speak.
+    log Z = -cost / (2 s^2) + log(volume of the posterior / volume of the prior) over the effect's unknowns; s^2 is the
+    square of the unit of the round, ``misfit_in_common``. Beforehand a law with a number more has ``SIMPLER`` times
+    less odds, so that a law that only imitates a simpler one within what is known comes after it.
     Source: D. J. C. MacKay, Information Theory, Inference, and Learning Algorithms (2003), chapter 28.
     """
     if not ranked:
         return []
     scale = misfit_in_common(ranked)
-    scored = [replace(r, log_evidence=-0.5 * r.fit.cost / scale + log_occam(r.fit, scale)) for r in ranked]
+    scored = [replace(r, log_evidence=-0.5 * r.fit.cost / scale + _beforehand(r.fit, scale)) for r in ranked]
     return sorted(scored, key=lambda r: -r.log_evidence)
 
 
+def _beforehand(result: Fit, scale: float) -> float:
+    """Logarithm of what speaks for a law apart from how it fits."""
+    return log_occam(result, scale) - log(SIMPLER) * len(_own(result))
+
+
+SIMPLER = 20.0
+"""Odds, before the records speak, that a law does not need another number."""
+
+
+def _own(result: Fit) -> list[int]:
+    """Which of a fit's unknowns belong to its last effect."""
+    index = len(result.hypothesis.effects) - 1
+    return [i for i, unknown in enumerate(result.unknowns) if getattr(unknown, "effect", None) == index]
+
+
 def misfit_in_common(ranked: Sequence[Ranked]) -> float:
-    """Reduced chi-square that the best refit leaves, 1 at least: the square of the unit of all residuals of a round."""
-    return max(1.0, min(r.fit.ratio for r in ranked if r.refitted) ** 2)
+    """The square of the unit of all residuals of a round.
+
+    The reduced chi-square that the best refit leaves, 1 at least, so that a misfit common to all does not speak; times
+    what chi-square counts again, so that the force's noise, which all channels share, speaks once.
+    """
+    best = min((row.fit for row in ranked if row.refitted), key=lambda fit: fit.ratio)
+    return best.repeats * max(1.0, best.ratio**2)
 
 
 def reranked(ranked: Sequence[Ranked], better: Fit) -> list[Ranked]:
@@ -83,8 +103,7 @@ def log_occam(result: Fit, scale: float = 1.0) -> float:
         result: with covariances for noise of unit size.
         scale: square of the noise's size.
     """
-    index = len(result.hypothesis.effects) - 1
-    own = [i for i, u in enumerate(result.unknowns) if getattr(u, "effect", None) == index]
+    own = _own(result)
     if not own:
         return 0.0
     _, volume = np.linalg.slogdet(2.0 * pi * scale * result.covariance[np.ix_(own, own)])

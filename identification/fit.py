@@ -27,6 +27,7 @@ class Fit:
         residual: (n_data,) in units of the noise.
         jacobian: (n_unknowns, n_data).
         covariance: (n_unknowns, n_unknowns) in the unknowns' own coordinates, for noise of the estimated size.
+        repeats: how many times chi-square counts noise that all channels share, at most.
     """
 
     hypothesis: Hypothesis
@@ -37,6 +38,7 @@ class Fit:
     residual: FloatArray
     jacobian: FloatArray
     covariance: FloatArray
+    repeats: float = 1.0
 
     @property
     def cost(self) -> float:
@@ -116,7 +118,15 @@ def fit(
     normal = rows @ rows.T + np.diag(prior)
     chi2 = float(state.residual @ state.residual)
     return Fit(
-        state.hypothesis, unknowns, chi2, state.cost - chi2, evaluator.n_data, state.residual, rows, _inverse(normal)
+        state.hypothesis,
+        unknowns,
+        chi2,
+        state.cost - chi2,
+        evaluator.n_data,
+        state.residual,
+        rows,
+        _inverse(normal),
+        evaluator.repeats,
     )
 
 

@@ -1,48 +1,38 @@
-"""Which effect is missing? Screen all, sketch the promising, refit the best with all numbers, rank by evidence."""
+"""Which effect is missing? Look for suspects, refit the best with all numbers, rank them by evidence."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import inf
 
-from identification.calibrate import Windows, beginning, calibrate, concerning, pulled, put_back
+from identification.calibrate import Windows, beginning, calibrate, pulled
 from identification.evaluate import Evaluator
 from identification.evidence import Ranked, misfit_in_common, reweighed, with_evidence
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, free_place, own_unknowns
+from identification.look import View, afar, beside
 from identification.progress import Progress
-from identification.scene import GRID, sleeves_of
-from identification.screen import Projection, Suspect, promising, screen, survey
+from identification.scene import sleeves_of
 from identification.sketch import (
     FAR_BEHIND,
     HEATS,
     TOLERANCE,
     Sketch,
-    afresh,
     apart,
     by_share,
-    heats,
     is_alike,
     is_same_place,
-    sketched_from_calibrated,
 )
-from models.effects import Effect, Registry
-from models.rig import Beam
+from models.effects import Effect
 
 REFIT_WINDOWS: Windows = ((0.35, 2.0),)
 """The sketch has seen the beginning."""
-
-PER_KIND = 2
-"""Places of each kind that are sketched."""
-
-MOST_LONG_SKETCHES = 8
-"""Suspects sketched where it takes whole records."""
 
 FINALISTS = 4
 REFITS_PER_KIND = 2
 
 
 def judge(
-    screening: Sequence[tuple[Evaluator, Fit, Registry]],
+    views: Sequence[View],
     fitting: Evaluator,
     base: Fit,
     progress: Progress,
@@ -50,24 +40,23 @@ def judge(
     """All effects worth a refit, the one with the most evidence first.
 
     Args:
-        screening: records to screen on, the calibrated model on them, and the kinds to screen there.
+        views: what to look for suspects in; kinds that act over the length of a record in one of their own.
         fitting: records to refit on.
         base: the calibrated model on those.
         progress: told what is being done.
     """
-    instant = next((row for row in screening if not _is_lasting(row[2])), None)
-    lasting = [row for row in screening if _is_lasting(row[2])]
-    looks = [_screened, _surveyed] if base.ratio <= LARGE else [_surveyed, _screened]
+    instant = next((view for view in views if not view.is_lasting), None)
+    looks = [beside, afar] if base.ratio <= LARGE else [afar, beside]
     if base.ratio <= SMALL and not pulled(base):
-        looks = [_screened]
+        looks = [beside]
     ranked: list[Ranked] = []
     for number, look in enumerate(looks):
         if number > 0:
             progress("nothing seen so far reaches the noise; looking from elsewhere")
-        sketches = [] if instant is None else look(*instant, base, progress)
+        sketches = [] if instant is None else look(instant, base, progress)
         if number == 0:
-            for row in lasting:
-                sketches += _screened(*row, base, progress)
+            for view in views:
+                sketches += beside(view, base, progress) if view.is_lasting else []
         found = _best(sketches, FINALISTS, REFITS_PER_KIND)
         new = [sketch for sketch in found if not any(is_alike(sketch.fit, row.fit) for row in ranked)]
         more = _finals(new, fitting, base, progress)
@@ -81,79 +70,9 @@ def judge(
 EXPLAINED = 1.25
 """Residual over noise at which suspects are not looked for in another way."""
 
-
-def _is_lasting(registry: Registry) -> bool:
-    """Kinds that act over the length of a record, which its beginning does not show."""
-    return any(kind.family == "time" for kind in registry.values())
-
-
-def _screened(evaluator: Evaluator, there: Fit, registry: Registry, base: Fit, progress: Progress) -> list[Sketch]:
-    """Sketches of what could take most away beyond the rig's numbers, on longer records than a survey's.
-
-    They begin at the calibrated numbers, but for those that were pulled away, very likely by what is missing. Where the
-    beginning of the records tells enough, it is surveyed: nothing has to be in proportion to an effect's size there.
-    """
-    lasting = _is_lasting(registry)
-    start = there.hypothesis if lasting else put_back(there)
-    telling = None if lasting else _telling(evaluator, start, base)
-    seen = screen(evaluator, there, registry, progress) if telling is None else survey(*telling, registry, progress)
-    found = first_of_each_kind(promising(seen, PER_KIND, _distance(there)))[:MOST_LONG_SKETCHES]
-    progress(f"sketching {len(found)} suspects on {evaluator.extent}")
-    effects = [suspect.effect for suspect in found]
-    return sketched_from_calibrated(evaluator, there, start, effects, registry, grown=not lasting)
-
-
-def _telling(evaluator: Evaluator, start: Hypothesis, base: Fit) -> tuple[Evaluator, Fit] | None:
-    """The shortest beginning on which more than noise is left beside the rig's numbers, and the model there."""
-    for share, seconds in TELLING_WINDOWS:
-        window = beginning(evaluator, share, seconds)
-        bare = fit(window, start, concerning(base, window), max_iterations=0)
-        if Projection(bare).misfit > TELLING**2 * bare.n_data:
-            return window, bare
-    return None
-
-
-TELLING_WINDOWS: Windows = ((0.02, 0.4), (0.1, 0.75), (0.2, 1.5))
-"""Shares of the response's energy, and seconds at least, that are surveyed."""
-
-TELLING = 1.3
-"""Residual over noise that tells effects apart."""
-
-
 SMALL, LARGE = 3.0, 8.0
 """Residual over noise of the calibrated model: up to the first its neighbourhood alone tells suspects apart, above the
 second the beginning of the records is seen first, since nothing is linear."""
-
-
-def _surveyed(evaluator: Evaluator, there: Fit, registry: Registry, base: Fit, progress: Progress) -> list[Sketch]:
-    """Sketches of the best places of every kind, from the beginning of the records and the numbers as given.
-
-    A calibration without the missing effect pulls the numbers to where they imitate it, and the effect added to that
-    makes matters worse; from the numbers as given, it helps.
-    """
-    del there  # from the numbers as given, not from the calibrated ones
-    start = afresh(base.hypothesis)
-    short = beginning(evaluator, *HEATS[0][:2])
-    bare = fit(short, start, concerning(base, short), max_iterations=0)
-    found = promising(survey(short, bare, registry, progress), PER_KIND, _distance(base))
-    progress(f"sketching {len(found)} suspects on the beginning of the records")
-    return heats(evaluator, start, base, [suspect.effect for suspect in found], registry)
-
-
-def _distance(base: Fit) -> float:
-    """Distance, m, within which two places of the grid lie in one valley."""
-    structure = base.hypothesis.rig.structure
-    return 1.5 * structure.length / GRID if isinstance(structure, Beam) else 0.0
-
-
-def first_of_each_kind(suspects: Sequence[Suspect]) -> list[Suspect]:
-    """The best place of every kind before the second place of any.
-
-    Args:
-        suspects: the best first.
-    """
-    best = {suspect.effect.kind: suspect for suspect in reversed(suspects)}
-    return [*(s for s in suspects if s is best[s.effect.kind]), *(s for s in suspects if s is not best[s.effect.kind])]
 
 
 def _finals(finalists: Sequence[Sketch], fitting: Evaluator, base: Fit, progress: Progress) -> list[Ranked]:

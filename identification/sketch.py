@@ -30,7 +30,7 @@ ITERATIONS_ALONE, ITERATIONS, TOLERANCE = 3, 5, 2e-2
 """Of the suspect by itself, while the rig's numbers are held, and then of all: else these are pulled away first."""
 
 ITERATIONS_TOGETHER = 8
-"""From calibrated numbers."""
+"""Of all at once, from numbers that are near."""
 
 MOST_LONG_RIVALS = 4
 """Rivals fitted on whole records."""
@@ -63,7 +63,14 @@ class Sketch:
 
 
 def heats(
-    evaluator: Evaluator, start: Hypothesis, base: Fit, suspects: Sequence[Effect], registry: Registry
+    evaluator: Evaluator,
+    start: Hypothesis,
+    base: Fit,
+    suspects: Sequence[Effect],
+    registry: Registry,
+    schedule: Sequence[Heat] = HEATS,
+    *,
+    near: bool = False,
 ) -> list[Sketch]:
     """The suspects that are left after all heats, best first.
 
@@ -73,19 +80,21 @@ def heats(
         base: the calibrated model, for its unknowns.
         suspects: effects at trial sizes.
         registry: kinds to try where the best of them sits.
+        schedule: what each heat sees, and how many it leaves.
+        near: whether the start is near enough to move all unknowns at once from the first.
     """
     starts = [start.with_effects(effect) for effect in suspects]
     sketches: list[Sketch] = []
-    for share, seconds, most in HEATS:
+    for share, seconds, most in schedule:
         window = beginning(evaluator, share, seconds)
         ground = ground_of(window, start, base)
         met = bool(sketches) and sketches[0].fit.ratio < REACHED
-        sketches = apart(sketched(ground, starts))
+        sketches = apart(sketched(ground, starts, near=near))
         others = [] if met else rivals(window, base, sketches, registry)
-        sketches = apart(by_share([*sketches, *sketched(ground, others)]))[:most]
+        sketches = apart(by_share([*sketches, *sketched(ground, others, near=near)]))[:most]
         if sketches and sketches[0].fit.ratio < REACHED:
-            near = [sketch for sketch in sketches if sketch.share > FAR_BEHIND * sketches[0].share]
-            sketches = sketches[: max(len(near), LEAST_LEFT)]
+            close = [sketch for sketch in sketches if sketch.share > FAR_BEHIND * sketches[0].share]
+            sketches = sketches[: max(len(close), LEAST_LEFT)]
         starts = [sketch.fit.hypothesis for sketch in sketches]
     return sketches
 
@@ -222,20 +231,24 @@ def ground_of(evaluator: Evaluator, start: Hypothesis, base: Fit) -> Ground:
     return Ground(evaluator, slopes, bare)
 
 
-def sketched(ground: Ground, suspects: Sequence[Hypothesis]) -> list[Sketch]:
-    """Each suspect fitted first by itself, then with all unknowns; best first.
+def sketched(ground: Ground, suspects: Sequence[Hypothesis], *, near: bool = False) -> list[Sketch]:
+    """Each suspect fitted with all unknowns, from afar first by itself; best first.
 
     Args:
         ground: records to fit.
         suspects: the model with one effect more each.
+        near: all unknowns at once from the first.
     """
     evaluator = ground.evaluator.with_jobs(1)
 
     def one(suspect: Hypothesis) -> Sketch | None:
         own = own_unknowns(suspect)
-        alone = _tried(evaluator, suspect, own, ITERATIONS_ALONE)
         unknowns = (*ground.bare.unknowns, *own)
-        found = alone and _tried(evaluator, alone.hypothesis, unknowns, ITERATIONS, ground.slopes)
+        if near:
+            found = _tried(evaluator, suspect, unknowns, ITERATIONS_TOGETHER, ground.slopes)
+        else:
+            alone = _tried(evaluator, suspect, own, ITERATIONS_ALONE)
+            found = alone and _tried(evaluator, alone.hypothesis, unknowns, ITERATIONS, ground.slopes)
         return Sketch(ground.bare, found) if found else None
 
     return by_share([sketch for sketch in in_parallel(ground.evaluator.jobs, one, suspects) if sketch])

@@ -170,3 +170,13 @@ def test_a_motion_without_bound_has_no_residual_and_spoils_no_other():
 
 def test_no_hypotheses_no_residuals():
     assert Evaluator([TimeTarget.of(*measured(Hypothesis(oscillator()), sweep(512)))], 1).residuals([]) == []
+
+
+def test_noise_of_the_sensors_counts_once_and_that_of_the_force_as_often_as_there_are_channels():
+    record, noise = measured(Hypothesis(REFERENCE), multisine(1024))
+    own = TimeTarget.of(record, noise)
+    shared = replace(own, density=1e6 * own.density)
+
+    assert own.repeats == pytest.approx(1.0)
+    assert shared.repeats == pytest.approx(len(record.sensors), rel=1e-4)
+    assert Evaluator([own, shared], 1).repeats == pytest.approx((1.0 + len(record.sensors)) / 2.0, rel=1e-4)

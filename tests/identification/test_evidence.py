@@ -1,11 +1,12 @@
 """The evidence: probabilities sum to one, and of two that fit alike the one with fewer numbers is believed."""
 
+from dataclasses import replace
 from math import log, pi, sqrt
 
 import pytest
 from trial_records import fit_of
 
-from identification.evidence import PLACES, Ranked, log_occam, probabilities, reranked, with_evidence
+from identification.evidence import PLACES, SIMPLER, Ranked, log_occam, probabilities, reranked, with_evidence
 from models.effects import Place
 from models.effects.bouc_wen import BoucWen
 from models.effects.point_damping import PointDamping
@@ -42,11 +43,22 @@ def test_more_numbers_are_believed_where_they_explain_more():
     assert with_evidence([poor, rich])[0].effect is rich.effect
 
 
+def test_what_the_channels_share_speaks_once():
+    alone = [ranked(MASS, 900.0), ranked(PointDamping(HERE, damping=1.0), 940.0)]
+    shared = [replace(row, fit=replace(row.fit, repeats=4.0)) for row in alone]
+
+    first, second = with_evidence(alone)
+    again, other = with_evidence(shared)
+
+    assert first.log_evidence - second.log_evidence == pytest.approx(20.0)
+    assert again.log_evidence - other.log_evidence == pytest.approx(5.0)
+
+
 def test_the_evidence_of_a_log_number_is_laplaces():
     (only,) = with_evidence([ranked(MASS, 900.0)])
 
-    # Half of chi-square, and the posterior's width 0.01 beside the prior's 1.
-    assert only.log_evidence == pytest.approx(-450.0 + log(0.01))
+    # Half of chi-square, the posterior's width 0.01 beside the prior's 1, and the odds of a law with one number.
+    assert only.log_evidence == pytest.approx(-450.0 + log(0.01) - log(SIMPLER))
 
 
 def test_the_occam_factor_of_a_place_and_of_a_linear_number():

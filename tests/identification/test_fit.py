@@ -42,7 +42,7 @@ class Number(Unknown):
 class Linear:
     """Residuals A x - b, and how often they were asked for."""
 
-    jobs, targets = 1, ()
+    jobs, targets, repeats = 1, (), 1.0
 
     def __init__(self, matrix, right, unknowns):
         self.matrix, self.right, self.unknowns = matrix, right, unknowns

@@ -6,9 +6,8 @@ from trial_records import REFERENCE, evaluator_of, fit_of, measured, multisine
 from identification import judge as judging
 from identification.evidence import log_occam
 from identification.hypothesis import Hypothesis
-from identification.judge import FAR_BEHIND, LEAST_REFITS, RULED_OUT, _best, _finals, first_of_each_kind
-from identification.screen import Suspect
-from identification.sketch import Sketch
+from identification.judge import LEAST_REFITS, RULED_OUT, _best, _finals
+from identification.sketch import FAR_BEHIND, Sketch
 from models.effects import Place
 from models.effects.coulomb_friction import CoulombFriction
 from models.effects.point_damping import PointDamping
@@ -56,16 +55,6 @@ def test_a_sleeve_and_its_position_are_one_place():
     rows = [sketch(beside, 0.9), sketch(at_sleeve, 0.8), sketch(elsewhere, 0.7)]
 
     assert [s.effect for s in _best(rows, 4, 2)] == [beside, elsewhere]
-
-
-def test_the_best_place_of_every_kind_comes_before_the_second_of_any():
-    here, there = (PointMass(Place(position=x), mass=0.1) for x in (0.7, 1.2))
-    suspects = [Suspect(here, 9.0), Suspect(there, 8.0), Suspect(FRICTION, 1.0)]
-
-    assert [s.effect for s in first_of_each_kind(suspects)] == [here, FRICTION, there]
-
-
-FRICTION = CoulombFriction(Place(sleeve="sleeve 1", position=0.45), 1.0, 1e-3)
 
 
 def test_those_far_behind_are_left_out_when_there_are_enough_and_those_that_worsen_always():

@@ -8,9 +8,19 @@ from trial_records import FS, REFERENCE, evaluator_of, measured, oscillator
 from identification.evaluate import Evaluator
 from identification.hypothesis import Hypothesis
 from identification.rest_target import FrfTarget, ModesTarget
-from identification.scene import CREST, scenes
-from models.effects import Place
+from identification.scene import CREST, places_near, places_of, scenes, sleeves_of
+from models.effects import EFFECTS, Place
 from models.rig import Excitation
+
+
+def test_what_can_sit_anywhere_is_looked_for_at_positions_those_of_the_sleeves_among_them():
+    anywhere, in_sleeves = (places_of(EFFECTS[kind], REFERENCE) for kind in ("coulomb_friction", "squeeze_film"))
+
+    assert all(place.sleeve is None for place in anywhere)
+    assert {sleeve.position for sleeve in REFERENCE.sleeves} < {place.position for place in anywhere}
+    assert in_sleeves == sleeves_of(REFERENCE)
+    assert places_near(EFFECTS["coulomb_friction"], REFERENCE, 0.98) == [Place(position=0.98)]
+    assert places_near(EFFECTS["squeeze_film"], REFERENCE, 0.98) == [Place(sleeve="sleeve 2", position=1.0)]
 
 
 def test_a_mass_moves_as_its_receptance_says():

@@ -1,0 +1,123 @@
+"""Where to look for what is missing: kinds and places worth a refit, seen from two sides.
+
+Small misfits are seen beside the calibrated numbers; large ones from the numbers as given, on the beginning of the
+records, since a calibration without the missing effect pulls the numbers to where they imitate it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from identification.calibrate import Windows, beginning, concerning, put_back
+from identification.evaluate import Evaluator
+from identification.fit import Fit, fit
+from identification.hypothesis import Hypothesis
+from identification.progress import Progress
+from identification.scene import GRID
+from identification.screen import Projection, Suspect, promising, screen, survey
+from identification.sketch import HEATS, Sketch, afresh, heats, sketched_from_calibrated
+from models.effects import Registry
+from models.rig import Beam
+
+PER_KIND = 2
+"""Places of each kind that are sketched."""
+
+MOST_LONG_SKETCHES = 8
+"""Suspects sketched where it takes whole records."""
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """What suspects are looked for in.
+
+    Attributes:
+        evaluator: records, at the resolution of the search.
+        there: the calibrated model on them.
+        registry: kinds to look for.
+    """
+
+    evaluator: Evaluator
+    there: Fit
+    registry: Registry
+
+    @property
+    def is_lasting(self) -> bool:
+        """Kinds that act over the length of a record, which its beginning does not show."""
+        return any(kind.family == "time" for kind in self.registry.values())
+
+
+def beside(view: View, base: Fit, progress: Progress) -> list[Sketch]:
+    """Sketches of what could take most away beyond the rig's numbers, on longer records than a survey's.
+
+    They begin at the calibrated numbers, but for those that were pulled away, very likely by what is missing. Where the
+    beginning of the records tells enough, it is surveyed: nothing has to be in proportion to an effect's size there.
+
+    Args:
+        view: what to look in.
+        base: the calibrated model on all that is fitted.
+        progress: told what is being done.
+    """
+    evaluator, there, registry = view.evaluator, view.there, view.registry
+    start = there.hypothesis if view.is_lasting else put_back(there)
+    telling = None if view.is_lasting else _telling(evaluator, start, base)
+    if telling is None:
+        seen = promising(screen(evaluator, there, registry, progress), PER_KIND, _distance(there))
+        effects = [suspect.effect for suspect in first_of_each_kind(seen)[:MOST_LONG_SKETCHES]]
+        progress(f"sketching {len(effects)} suspects on {evaluator.extent}")
+        return sketched_from_calibrated(evaluator, there, start, effects, registry, grown=not view.is_lasting)
+    (share, seconds), bare = telling
+    seen = promising(survey(beginning(evaluator, share, seconds), bare, registry, progress), PER_KIND, _distance(there))
+    progress(f"sketching {len(seen)} suspects on the beginning of the records, the best of them on {evaluator.extent}")
+    schedule = ((share, seconds, MOST_LONG_SKETCHES), (1.0, 0.0, MOST_LONG_SKETCHES))
+    return heats(evaluator, start, base, [suspect.effect for suspect in seen], registry, schedule, near=True)
+
+
+def afar(view: View, base: Fit, progress: Progress) -> list[Sketch]:
+    """Sketches of the best places of every kind, from the beginning of the records and the numbers as given.
+
+    A calibration without the missing effect pulls the numbers to where they imitate it, and the effect added to that
+    makes matters worse; from the numbers as given, it helps.
+
+    Args:
+        view: what to look in.
+        base: the calibrated model on all that is fitted.
+        progress: told what is being done.
+    """
+    start = afresh(base.hypothesis)
+    short = beginning(view.evaluator, *HEATS[0][:2])
+    bare = fit(short, start, concerning(base, short), max_iterations=0)
+    found = promising(survey(short, bare, view.registry, progress), PER_KIND, _distance(base))
+    progress(f"sketching {len(found)} suspects on the beginning of the records")
+    return heats(view.evaluator, start, base, [suspect.effect for suspect in found], view.registry)
+
+
+def _telling(evaluator: Evaluator, start: Hypothesis, base: Fit) -> tuple[tuple[float, float], Fit] | None:
+    """The shortest beginning on which more than noise is left beside the rig's numbers, and the model there."""
+    for share_and_seconds in TELLING_WINDOWS:
+        window = beginning(evaluator, *share_and_seconds)
+        bare = fit(window, start, concerning(base, window), max_iterations=0)
+        if Projection(bare).misfit > TELLING**2 * bare.n_data:
+            return share_and_seconds, bare
+    return None
+
+
+TELLING_WINDOWS: Windows = ((0.02, 0.4), (0.1, 0.75), (0.2, 1.5))
+"""Shares of the response's energy, and seconds at least, that are surveyed."""
+
+TELLING = 1.3
+"""Residual over noise that tells effects apart."""
+
+
+def _distance(base: Fit) -> float:
+    """Distance, m, within which two places of the grid lie in one valley."""
+    structure = base.hypothesis.rig.structure
+    return 1.5 * structure.length / GRID if isinstance(structure, Beam) else 0.0
+
+
+def first_of_each_kind(suspects: Sequence[Suspect]) -> list[Suspect]:
+    """The best place of every kind before the second place of any.
+
+    Args:
+        suspects: the best first.
+    """
+    best = {suspect.effect.kind: suspect for suspect in reversed(suspects)}
+    return [*(s for s in suspects if s is best[s.effect.kind]), *(s for s in suspects if s is not best[s.effect.kind])]
