@@ -12,6 +12,7 @@ from identification.evaluate import carry_noise
 from identification.evidence import (
     LEAST_EVIDENCE,
     Ranked,
+    log_fit,
     misfit_in_common,
     probabilities,
     reranked,
@@ -217,7 +218,7 @@ def _accept(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | None
         session.decide("no effect of the library improves the model")
         return None
     best = ranked[0]
-    odds = best.log_evidence + 0.5 * base.cost / misfit_in_common(ranked)
+    odds = best.log_evidence - log_fit(base, misfit_in_common(ranked))
     share = (base.cost - best.fit.cost) / max(base.cost - base.n_data, 1.0)
     name = best.effect.label()
     least = LATER_SHARE if base.hypothesis.effects and best.fit.ratio > NOISE_NEAR else LEAST_SHARE
@@ -239,7 +240,8 @@ def _pruned(session: Session, calibrated: Fit, found: Fit) -> list[tuple[int, Fi
     index = 0
     while index < len(found.hypothesis.effects) - 1:
         less = _without(session, calibrated, found, index)
-        if 0.5 * (less.cost - found.cost) / max(1.0, found.ratio**2) < LEAST_EVIDENCE:
+        scale = found.repeats * max(1.0, found.ratio**2)
+        if log_fit(found, scale) - log_fit(less, scale) < LEAST_EVIDENCE:
             gone, last = found.hypothesis.effects[index].label(), found.hypothesis.effects[-1].label()
             session.decide(f"{gone} taken out again: beside {last} it explains nothing more")
             taken.append((index, less))
@@ -347,7 +349,7 @@ def _nothing(first: Sequence[Ranked], final: Fit) -> float:
     """Log evidence of "nothing more", on the scale of the round."""
     if final.hypothesis.effects:
         return min(r.log_evidence for r in first) - 50.0
-    return -0.5 * final.cost / misfit_in_common(first)
+    return log_fit(final, misfit_in_common(first))
 
 
 def _polish(session: Session, final: Fit) -> Fit:

@@ -34,25 +34,37 @@ class Ranked:
 def with_evidence(ranked: Sequence[Ranked]) -> list[Ranked]:
     """Sorted by Laplace's approximation to the evidence, with residuals in units of what the best fit leaves.
 
-    log Z = -cost / (2 s^2) + log(volume of the posterior / volume of the prior) over the effect's unknowns; s^2 is the
-    square of the unit of the round, ``misfit_in_common``. Beforehand a law with a number more has ``SIMPLER`` times
-    less odds, so that a law that only imitates a simpler one within what is known comes after it.
+    log Z = -(chi^2 / s^2 + prior) / 2 + log(volume of the posterior / volume of the prior) over the effect's unknowns;
+    s^2 is the square of the unit of the round, ``misfit_in_common``. Beforehand a law with a number more has
+    ``SIMPLER`` times less odds, so that a law that imitates a simpler one within what is known comes after it.
     Source: D. J. C. MacKay, Information Theory, Inference, and Learning Algorithms (2003), chapter 28.
     """
     if not ranked:
         return []
     scale = misfit_in_common(ranked)
-    scored = [replace(r, log_evidence=-0.5 * r.fit.cost / scale + _beforehand(r.fit, scale)) for r in ranked]
+    scored = [replace(r, log_evidence=log_fit(r.fit, scale) + _beforehand(r.fit, scale)) for r in ranked]
     return sorted(scored, key=lambda r: -r.log_evidence)
+
+
+def log_fit(result: Fit, scale: float) -> float:
+    """Logarithm of the likelihood and the prior at the fit, less what all models have in common.
+
+    Args:
+        result: of a round.
+        scale: ``misfit_in_common`` of the round; what was known beforehand is not measured in it.
+    """
+    return -0.5 * (result.chi2 / scale + result.penalty)
 
 
 def _beforehand(result: Fit, scale: float) -> float:
     """Logarithm of what speaks for a law apart from how it fits."""
-    return log_occam(result, scale) - log(SIMPLER) * len(_own(result))
+    unknowns = (result.unknowns[i] for i in _own(result))
+    numbers = {unknown.about.symbol for unknown in unknowns if isinstance(unknown, EffectUnknown)}
+    return log_occam(result, scale) - log(SIMPLER) * len(numbers)
 
 
 SIMPLER = 20.0
-"""Odds, before the records speak, that a law does not need another number."""
+"""Odds, before the records speak, that a law does not need another number; a table is one."""
 
 
 def _own(result: Fit) -> list[int]:

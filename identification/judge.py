@@ -11,7 +11,7 @@ from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, free_place, own_unknowns
 from identification.look import View, afar, beside
 from identification.progress import Progress
-from identification.scene import sleeves_of
+from identification.scene import is_same_place, sleeves_of
 from identification.sketch import (
     FAR_BEHIND,
     HEATS,
@@ -20,7 +20,6 @@ from identification.sketch import (
     apart,
     by_share,
     is_alike,
-    is_same_place,
 )
 from models.effects import Effect
 
@@ -87,13 +86,13 @@ def _finals(finalists: Sequence[Sketch], fitting: Evaluator, base: Fit, progress
         progress(f"refitting {sketch.effect.label()} with all numbers on {fitting.extent}")
         found = sketch.fit.hypothesis
         if leader is not None:
-            first, farther = _beside(leader[1], fitting, base, found)
+            first, farther = _against(leader[1], fitting, base, found)
             if first is not None and farther > RULED_OUT:
                 beaten.append((first, farther))
             if first is None or farther > RULED_OUT:
                 continue
             found = first.hypothesis
-        result = refit(fitting, base, found.effects[-1], found.values, () if leader else REFIT_WINDOWS)
+        result = refit(fitting, base, found.effects[-1], found.values)
         if result is not None:
             ranked.append(Ranked(result.hypothesis.effects[-1], result, refitted=True, log_evidence=0.0))
             if result.ratio < min(CLOSE_ENOUGH, leader[1].ratio if leader else CLOSE_ENOUGH):
@@ -101,52 +100,57 @@ def _finals(finalists: Sequence[Sketch], fitting: Evaluator, base: Fit, progress
     ordered = with_evidence(ranked)
     ordered = _settled(fitting, with_evidence([*ordered, *_at_sleeves(fitting, base, ordered)]), progress)
     for fit_there, farther in beaten:
-        behind = 0.5 * (farther**2 - 1.0) * ordered[0].fit.n_data
+        behind = 0.5 * (farther**2 - 1.0) * ordered[0].fit.n_data / ordered[0].fit.repeats
         evidence = ordered[0].log_evidence - behind
         ordered.append(Ranked(fit_there.hypothesis.effects[-1], fit_there, refitted=False, log_evidence=evidence))
     return ordered
 
 
-def _beside(leader: Fit, fitting: Evaluator, base: Fit, found: Hypothesis) -> tuple[Fit | None, float]:
+def _against(leader: Fit, fitting: Evaluator, base: Fit, found: Hypothesis) -> tuple[Fit | None, float]:
     """A model fitted on the beginning, and how many times as far off as the leader it is there.
 
     It is fitted with the leader's slopes: whatever comes as near to the records has nearly the same.
     """
-    window = beginning(fitting, *REFIT_WINDOWS[0])
+    window = fitting if fitting.at_rest else beginning(fitting, *REFIT_WINDOWS[0])
     there = fit(window, leader.hypothesis, leader.unknowns, max_iterations=0)
     unknowns = (*base.unknowns, *own_unknowns(found))
     slopes = there.jacobian[: len(base.unknowns)]
     try:
         first = fit(
-            window, found, unknowns, max_iterations=ITERATIONS_BESIDE, jacobian=slopes, keep=True, tolerance=TOLERANCE
+            window, found, unknowns, max_iterations=ITERATIONS_AGAINST, jacobian=slopes, keep=True, tolerance=TOLERANCE
         )
     except ArithmeticError:
         return None, inf
     return first, first.ratio / there.ratio
 
 
-ITERATIONS_BESIDE = 8
+ITERATIONS_AGAINST = 8
 """Of a model that has to come near the noise, which another has reached, to be fitted further."""
 
 
 def _at_sleeves(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked]) -> list[Ranked]:
-    """The best effect again at a sleeve that its free place has come to, where it has no place to fit."""
-    if not ranked:
-        return []
-    effect, rig = ranked[0].effect, ranked[0].fit.hypothesis.rig
+    """The best effects again at a sleeve that their free place has come to, where they have no place to fit."""
     rows = []
-    for place in sleeves_of(rig) if free_place(effect) and "sleeve" in effect.places else ():
-        if is_same_place(place, effect.place, rig):
-            result = refit(fitting, base, replace(effect, place=place), ranked[0].fit.hypothesis.values)
-            if result is not None:
-                rows.append(Ranked(result.hypothesis.effects[-1], result, refitted=True, log_evidence=0.0))
+    for row in ranked:
+        if row.log_evidence < ranked[0].log_evidence - FOR_A_PLACE or not free_place(row.effect):
+            continue
+        rig = row.fit.hypothesis.rig
+        for place in sleeves_of(rig) if "sleeve" in row.effect.places else ():
+            if is_same_place(place, row.effect.place, rig):
+                result = refit(fitting, base, replace(row.effect, place=place), row.fit.hypothesis.values)
+                if result is not None:
+                    rows.append(Ranked(result.hypothesis.effects[-1], result, refitted=True, log_evidence=0.0))
     return rows
+
+
+FOR_A_PLACE = 15.0
+"""Evidence that a place to fit costs at most."""
 
 
 def _settled(fitting: Evaluator, ranked: list[Ranked], progress: Progress) -> list[Ranked]:
     """The ranking with those fitted to the end that the refits' tolerance cannot tell from the first."""
     within = 0.5 * REFIT_TOLERANCE * ranked[0].fit.cost / misfit_in_common(ranked) if ranked else 0.0
-    close = [row for row in ranked if row.log_evidence > ranked[0].log_evidence - within]
+    close = [row for row in ranked if row.refitted and row.log_evidence > ranked[0].log_evidence - within]
     if not close[1:]:
         return ranked
     progress(f"{' and '.join(row.effect.label() for row in close)} fit nearly alike; fitting them to the end")
@@ -210,13 +214,7 @@ CLOSE_ENOUGH = 1.1
 """Residual over noise at which no other start is tried."""
 
 
-def refit(
-    evaluator: Evaluator,
-    base: Fit,
-    effect: Effect,
-    values: Mapping[str, float],
-    windows: Windows = REFIT_WINDOWS,
-) -> Fit | None:
+def refit(evaluator: Evaluator, base: Fit, effect: Effect, values: Mapping[str, float]) -> Fit | None:
     """Everything refitted with one more effect; None where the model with it diverges.
 
     Args:
@@ -224,12 +222,11 @@ def refit(
         base: the model without the effect, for its effects and unknowns.
         effect: where its fit begins.
         values: of the rig's numbers there.
-        windows: of the first fits.
     """
     hypothesis = replace(base.hypothesis, values=values).with_effects(effect)
     try:
         unknowns = (*base.unknowns, *own_unknowns(hypothesis))
-        return calibrate(evaluator, hypothesis, unknowns, windows, tolerance=REFIT_TOLERANCE)
+        return calibrate(evaluator, hypothesis, unknowns, REFIT_WINDOWS, tolerance=REFIT_TOLERANCE)
     except ArithmeticError:
         return None
 

@@ -46,7 +46,7 @@ class View:
 
 
 def beside(view: View, base: Fit, progress: Progress) -> list[Sketch]:
-    """Sketches of what could take most away beyond the rig's numbers, on longer records than a survey's.
+    """Sketches of what could take most away beyond the rig's numbers.
 
     They begin at the calibrated numbers, but for those that were pulled away, very likely by what is missing. Where the
     beginning of the records tells enough, it is surveyed: nothing has to be in proportion to an effect's size there.
@@ -57,8 +57,9 @@ def beside(view: View, base: Fit, progress: Progress) -> list[Sketch]:
         progress: told what is being done.
     """
     evaluator, there, registry = view.evaluator, view.there, view.registry
-    start = there.hypothesis if view.is_lasting else put_back(there)
-    telling = None if view.is_lasting else _telling(evaluator, start, base)
+    plain = view.is_lasting or bool(evaluator.at_rest)  # FRFs have no beginning
+    start = there.hypothesis if plain or there.hypothesis.effects else put_back(there)
+    telling = None if plain else _telling(evaluator, start, base)
     if telling is None:
         seen = promising(screen(evaluator, there, registry, progress), PER_KIND, _distance(there))
         effects = [suspect.effect for suspect in first_of_each_kind(seen)[:MOST_LONG_SKETCHES]]
@@ -94,7 +95,10 @@ def _telling(evaluator: Evaluator, start: Hypothesis, base: Fit) -> tuple[tuple[
     """The shortest beginning on which more than noise is left beside the rig's numbers, and the model there."""
     for share_and_seconds in TELLING_WINDOWS:
         window = beginning(evaluator, *share_and_seconds)
-        bare = fit(window, start, concerning(base, window), max_iterations=0)
+        try:
+            bare = fit(window, start, concerning(base, window), max_iterations=0)
+        except ArithmeticError:
+            return None
         if Projection(bare).misfit > TELLING**2 * bare.n_data:
             return share_and_seconds, bare
     return None

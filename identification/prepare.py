@@ -95,7 +95,7 @@ def resolved(evaluator: Evaluator, hypothesis: Hypothesis, misfit: float = 1.0) 
     Args:
         evaluator: with the records to judge on.
         hypothesis: the model whose steps are halved until nothing changes.
-        misfit: residual over noise below which the error is to stay, where more than the noise is to be explained.
+        misfit: residual over noise of which the error is to stay a small share, where it is more than the noise.
     """
     while evaluator.timed:
         coarse = evaluator.responses(hypothesis)

@@ -65,6 +65,25 @@ NEAR = 0.08
 """Share of the length within which a sleeve and a position are hard to tell apart."""
 
 
+def is_same_place(here: Place, there: Place, rig: Rig) -> bool:
+    """Places closer together than a fit tells; a sleeve and its position are one.
+
+    Args:
+        here: a place.
+        there: another.
+        rig: whose length counts.
+    """
+    if here.position is None or there.position is None or not isinstance(rig.structure, Beam):
+        return here == there
+    if here.sleeve is not None and there.sleeve is not None:
+        return here.sleeve == there.sleeve
+    return abs(here.position - there.position) < SAME_PLACE * rig.structure.length
+
+
+SAME_PLACE = 0.02
+"""Share of the length within which two positions are one."""
+
+
 def scenes(evaluator: Evaluator, hypothesis: Hypothesis, places: Collection[Place]) -> dict[Place, Scene]:
     """The scene at every place, from the motion that the hypothesis predicts there.
 

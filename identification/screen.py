@@ -13,7 +13,7 @@ from identification.evaluate import Evaluator
 from identification.fit import Fit
 from identification.hypothesis import Hypothesis
 from identification.progress import Progress
-from identification.scene import places_near, places_of, scenes
+from identification.scene import is_same_place, places_near, places_of, scenes
 from models.arrays import FloatArray
 from models.effects import Registry
 from models.effects.protocol import Effect, Place
@@ -175,12 +175,12 @@ def _trials(
     places = {kind: places_of(kind, rig) if near is None else places_near(kind, rig, near) for kind in kinds}
     wanted = {place for row in places.values() for place in row}
     seen = scenes(evaluator, base.hypothesis, wanted) if wanted else {}
-    present = {(e.kind, e.place) for e in base.hypothesis.effects}
     trials: dict[tuple[str, Place], list[Effect]] = {}
     for kind in kinds:
         for place in places[kind]:
-            row = list(kind.trials(seen[place])) if (kind.kind, place) not in present else []
-            if row:
+            others = (effect.place for effect in base.hypothesis.effects if effect.kind == kind.kind)
+            there = any(is_same_place(place, other, rig) for other in others)
+            if row := [] if there else list(kind.trials(seen[place])):
                 trials[kind.kind, place] = row
     return trials
 

@@ -20,6 +20,9 @@ MOST_LOWERINGS = 3
 SEARCH_SHARE = 0.25
 """Share of what the model leaves that coarse steps are weighed against in the search, as the noise is in the fits."""
 
+MOST_COARSE = 2.0
+"""Times the noise, up to where that share is taken: suspects that come near the noise must still be told apart."""
+
 REWEIGHING_TOLERANCE = 2e-3
 """Relative decrease of the cost that ends a fit on new weights."""
 
@@ -71,7 +74,7 @@ class Session:
             base: the model that suspects are added to.
         """
         coarse = self.fitting.with_settings(Settings(self.fitting.settings.n_modes))
-        settings = resolved(coarse, base.hypothesis, SEARCH_SHARE * base.ratio).settings
+        settings = resolved(coarse, base.hypothesis, min(SEARCH_SHARE * base.ratio, MOST_COARSE)).settings
         return self.everything.with_settings(settings)
 
     def relearn(self, result: Fit, *, uncover: bool = False) -> Fit:

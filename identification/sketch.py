@@ -14,11 +14,10 @@ from identification.evidence import log_occam
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, Unknown, own_unknowns
 from identification.progress import silent
-from identification.scene import NEAR
+from identification.scene import NEAR, is_same_place
 from identification.screen import Projection, promising, survey
 from models.arrays import FloatArray
 from models.effects import Effect, Registry
-from models.effects.protocol import Place
 from models.rig import Beam, Rig
 
 Heat = tuple[float, float, int]
@@ -177,25 +176,6 @@ def is_alike(one: Fit, other: Fit) -> bool:
     if effect.kind != rival.kind or any(getattr(effect, key) != getattr(rival, key) for key in effect.options):
         return False
     return is_same_place(effect.place, rival.place, one.hypothesis.rig)
-
-
-def is_same_place(here: Place, there: Place, rig: Rig) -> bool:
-    """Places closer together than a fit tells; a sleeve and its position are one.
-
-    Args:
-        here: a place.
-        there: another.
-        rig: whose length counts.
-    """
-    if here.position is None or there.position is None or not isinstance(rig.structure, Beam):
-        return here == there
-    if here.sleeve is not None and there.sleeve is not None:
-        return here.sleeve == there.sleeve
-    return abs(here.position - there.position) < SAME_PLACE * rig.structure.length
-
-
-SAME_PLACE = 0.02
-"""Share of the length within which two positions are one."""
 
 
 @dataclass(frozen=True, eq=False)

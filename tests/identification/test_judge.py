@@ -73,16 +73,16 @@ def refits(monkeypatch):
     """Refits that leave a residual over noise by the effect's kind, and the kinds that were refitted."""
     ratios, asked = {}, []
 
-    def refit(evaluator, base, effect, values, windows):
+    def refit(evaluator, base, effect, values):
         asked.append(effect.kind)
         return fit_of(effect, 1000.0 * ratios[effect.kind] ** 2)
 
-    def beside(leader, fitting, base, found):
+    def against(leader, fitting, base, found):
         ratio = ratios[found.effects[-1].kind]
         return fit_of(found.effects[-1], 1000.0 * ratio**2), ratio / leader.ratio
 
     monkeypatch.setattr(judging, "refit", refit)
-    monkeypatch.setattr(judging, "_beside", beside)
+    monkeypatch.setattr(judging, "_against", against)
     return ratios, asked
 
 

@@ -6,8 +6,8 @@ from trial_records import REFERENCE, evaluator_of, measured, moved, multisine
 from identification.calibrate import beginning, calibrate, put_back, unknowns_of
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, rig_unknowns
-from identification.look import TELLING_WINDOWS, View, _telling, beside, first_of_each_kind
-from identification.screen import Suspect
+from identification.look import TELLING, TELLING_WINDOWS, View, _telling, beside, first_of_each_kind
+from identification.screen import Projection, Suspect
 from models.effects import EFFECTS, Place
 from models.effects.coulomb_friction import CoulombFriction
 from models.effects.point_damping import PointDamping
@@ -50,6 +50,9 @@ def test_the_shortest_beginning_that_shows_more_than_noise_is_surveyed():
     assert windows[1] is not None
     assert windows[1][0] in TELLING_WINDOWS
     assert windows[1][1].n_data == beginning(evaluator, *windows[1][0]).n_data
+    for shorter in TELLING_WINDOWS[: TELLING_WINDOWS.index(windows[1][0])]:
+        bare = fit(beginning(evaluator, *shorter), truth, rig_unknowns(REFERENCE), max_iterations=0)
+        assert Projection(bare).misfit < TELLING**2 * bare.n_data
 
 
 def test_a_dashpot_that_the_rigs_damping_was_pulled_to_imitate_is_seen_where_it_sits():
