@@ -49,7 +49,7 @@ class Contact:
 
     Attributes:
         sleeve: its name.
-        position: m from the clamp.
+        position: m from the clamp; None on an oscillator.
         law: normal force from penetration and its rate; with no clearance it acts in both directions.
         clearance: radial gap at the record's start, m.
         offset: the sleeve's centre above the beam's unloaded axis, m.
@@ -57,7 +57,7 @@ class Contact:
     """
 
     sleeve: str
-    position: float
+    position: float | None
     law: ContactLaw
     clearance: float
     offset: float = 0.0

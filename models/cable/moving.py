@@ -69,7 +69,7 @@ def settle(cable: RigCable) -> FloatArray:
     static.newton.absoluteTolerance = ROUND_OFF * axial_stiffness(structure) * structure.length / shortest
     cable.course.settling = True
     for _ in range(STATIC_STEPS):
-        if not _solved(lambda: cable.system.SolveStatic(settings, updateInitialValues=True, showHints=False)):
+        if not solved(lambda: cable.system.SolveStatic(settings, updateInitialValues=True, showHints=False)):
             raise InputError(
                 "exudyn at rest: no equilibrium was found",
                 "the beam rests where gravity, sleeves and effects balance",
@@ -107,7 +107,7 @@ def march(cable: RigCable, n_steps: int, step: float) -> March:
         return True
 
     system.SetPostStepUserFunction(keep)
-    done = _solved(lambda: system.SolveDynamic(_in_time(n_steps, step), showHints=False))
+    done = solved(lambda: system.SolveDynamic(in_time(n_steps, step), showHints=False))
     q, v, time = np.array(places), np.array(speeds), np.array(times)
     if not (done and np.abs(q).max() < FAR * cable.plant.structure.length):  # nor is a nan less than that
         raise DivergenceError(
@@ -141,7 +141,13 @@ def natural_freqs(cable: RigCable, n: int) -> FloatArray:
     return np.asarray(np.sort(freqs)[:n])
 
 
-def _in_time(n_steps: int, step: float) -> Any:
+def in_time(n_steps: int, step: float) -> Any:
+    """Settings for so many steps of so many seconds.
+
+    Args:
+        n_steps: whole steps.
+        step: s.
+    """
     settings = _quiet(exu.SimulationSettings())
     time = settings.timeIntegration
     time.numberOfSteps, time.endTime = n_steps, n_steps * step
@@ -161,8 +167,12 @@ def _quiet(settings: Any) -> Any:
     return settings
 
 
-def _solved(solve: Any) -> bool:
-    """Whether a solver of Exudyn came to its end; what it prints is dropped."""
+def solved(solve: Any) -> bool:
+    """Whether a solver of Exudyn came to its end; what it prints is dropped.
+
+    Args:
+        solve: calls the solver.
+    """
     with contextlib.redirect_stdout(io.StringIO()):
         try:
             return solve() is not False

@@ -63,7 +63,7 @@ def build_spec(plant: Plant, segments: Segments, settings: ChainSettings) -> Any
     spec.visual.global_.offwidth, spec.visual.global_.offheight = 1920, 1080
     spec.worldbody.add_light(pos=[0.5 * structure.length, -2.0, 2.0], dir=[0.0, 0.7, -0.7])
     for contact in plant.contacts:
-        _add_sleeve(spec, contact.sleeve, contact.position, structure.diameter / 2 + contact.clearance)
+        _add_sleeve(spec, contact.sleeve, contact.position or 0.0, structure.diameter / 2 + contact.clearance)
     body, at, eta2 = spec.worldbody, 0.0, structure.rayleigh[1] * structure.damping_scale
     if structure.clamp_stiffness < inf:
         body = body.add_body(name="clamp")
@@ -99,8 +99,8 @@ def _add_what_it_carries(
             slide = hung.add_joint(name=f"absorber {number + 1}", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 0, 1])
             slide.stiffness[0], slide.damping[0] = absorber.coefficients
     for contact in plant.contacts if settings.native_contact else ():
-        if segments.segment_at(contact.position) == i:
-            add_stops(spec, body, contact, contact.position - at, structure.diameter / 2)
+        if segments.segment_at(contact.position or 0.0) == i:
+            add_stops(spec, body, contact, (contact.position or 0.0) - at, structure.diameter / 2)
 
 
 def to_xml(spec: Any) -> str:

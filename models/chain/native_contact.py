@@ -73,7 +73,7 @@ def weigh_stops(spec: Any, plant: Plant, segments: Segments) -> None:
     """Give the pairs their stiffness and damping, for the inverse masses that the engine notes when it compiles."""
     model = spec.compile()
     for contact in plant.contacts:
-        body = model.body(f"segment {segments.segment_at(contact.position) + 1}").id
+        body = model.body(f"segment {segments.segment_at(contact.position or 0.0) + 1}").id
         share = (1.0 - IMPEDANCE) * float(model.body_invweight0[body, 0])
         stiffness, damping = contact.law.values
         for side in SIDES:

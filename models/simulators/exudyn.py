@@ -82,5 +82,7 @@ def n_elements(structure: Structure, band: float, contact_rate: float) -> int:
 
 def _contact_rate(plant: Plant) -> float:
     """Rad/s of the fastest closed contact on the mass that it meets at once."""
-    squares = [c.law.slope_under(LOAD) * compliance_at(plant, LEAST_ELEMENTS, c.position) for c in plant.contacts]
+    squares = [
+        c.law.slope_under(LOAD) * compliance_at(plant, LEAST_ELEMENTS, c.position or 0.0) for c in plant.contacts
+    ]
     return sqrt(max(squares, default=0.0))

@@ -9,7 +9,7 @@ from typer.main import get_command
 
 from models.errors import InputError
 from testbed import __version__
-from testbed.cli import add, check, compare, crosscheck, demo, diagnose, frf, history, modes, simulate, undo
+from testbed.cli import add, check, compare, crosscheck, demo, diagnose, frf, history, modes, simulate, study, undo
 
 app = typer.Typer(name="testbed", add_completion=False, pretty_exceptions_enable=False)
 
@@ -27,6 +27,7 @@ for module, command in (
     (crosscheck, crosscheck.crosscheck),
 ):
     app.command(epilog=module.EXAMPLE)(command)
+app.add_typer(study.study, name="study")
 
 BAD_INPUT, INTERRUPTED = 2, 130
 

@@ -17,12 +17,13 @@ EXAMPLES = [
     if line.startswith("testbed ")
 ]
 LONG = ("diagnose", "demo")
-SLOW = ("crosscheck",)
-"""Run elsewhere: with made-up results in test_cli_diagnose.py, in earnest by the demo's and the cross-check's tests."""
+SLOW = ("crosscheck", "study")
+"""Run elsewhere: with made-up results in test_cli_diagnose.py, in earnest by the tests of the demo and of the studies."""
 
 
 def test_every_command_has_an_example():
     commands = [command.callback.__name__ for command in app.registered_commands]
+    commands += [group.name for group in app.registered_groups]
     assert {example[0] for example in EXAMPLES} == set(commands)
 
 
