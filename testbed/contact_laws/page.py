@@ -124,7 +124,7 @@ def _ball_table(study: Study) -> Iterator[str]:
         obtained = " | ".join(f"{other.obtained:.3f}" for other in same)
         yield (
             f"| {law.name} | {law.valid} | {row.set:g} | {obtained} | {row.peak:.2f} | {row.duration:.2f} "
-            f"| {row.lost:.1%} |"
+            f"| {max(row.lost, 0.0):.1%} |"
         )
     yield ""
     yield "Peak force and time in contact at the middle speed, in units of a lossless strike. The largest difference of"

@@ -18,7 +18,7 @@ EXAMPLES = [
 ]
 LONG = ("diagnose", "demo")
 SLOW = ("crosscheck", "study")
-"""Run elsewhere: with made-up results in test_cli_diagnose.py, in earnest by the tests of the demo and of the studies."""
+"""Run elsewhere: with made-up results in test_cli_diagnose.py, in earnest by the tests of demo and studies."""
 
 
 def test_every_command_has_an_example():
