@@ -68,7 +68,7 @@ RULES: dict[str, Rule] = {
         "Multibody Syst. Dyn. 25 (2011) 357",
         "all e, approximately; soft contacts",
     ),
-    "exact": Rule("closed form", lambda e: exact_dissipation(e), "Marhefka and Orin (1999)", "all e"),  # noqa: PLW0108
+    "exact": Rule("exact rule", lambda e: exact_dissipation(e), "Marhefka and Orin (1999)", "all e"),  # noqa: PLW0108
 }
 
 

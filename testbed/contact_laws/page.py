@@ -66,7 +66,7 @@ WHY = """\
 ## What to make of it
 
 - The rules of Hunt and Crossley, of Herbert and McWhannell, of Lee and Wang and of Lankarani and Nikravesh take the
-  loss to be slight. At e = 0.1 they give back half of the speed or more.
+  loss to be slight. At e = 0.1 they give back about half of the speed or more.
 - Gonthier's and Flores' rules come close at all e; exact is only the root of d (1 + e) = ln((1 + d) / (1 - d e)).
 - All laws of the form k p^n (1 + a dp/dt) lose a larger share the faster the strike, spring and dashpot always the same
   share, grease in the gap the same speed. So three speeds tell them apart, one does not.
@@ -138,7 +138,7 @@ def _ball_table(study: Study) -> Iterator[str]:
 
 
 def _beam_table(study: Study) -> Iterator[str]:
-    heads = ("law", "energy taken at the least e", "at the largest e", "between simulators", "FRF changes by", "FRAC")
+    heads = ("law", "energy taken at the least e", "at the largest e", "simulators differ by", "FRF changes by", "FRAC")
     yield f"| {' | '.join(heads)} |"
     yield "|" + "---|" * len(heads)
     for frf in study.frfs:
@@ -150,4 +150,5 @@ def _beam_table(study: Study) -> Iterator[str]:
         )
     yield ""
     yield f"FRFs are those of the modal model under {LEVEL:g} N rms, all laws set for {FRF_SET:g}: mean relative change"
-    yield "of the magnitudes against those with spring and dashpot, and the least FRAC of a sensor."
+    yield "of the magnitudes against those with spring and dashpot, and the least FRAC of a sensor. Energy is counted with"
+    yield "what the sleeves' springs hold at the end, less what they held while the beam was held up."

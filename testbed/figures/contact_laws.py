@@ -69,7 +69,7 @@ def loops_figure(strikes: Mapping[str, Strike]) -> Figure:
 
 
 def beam_figure(rows: Sequence[BeamRow]) -> Figure:
-    """Share of the energy taken, and largest force, over the restitution set, from the middle height.
+    """Share of the energy that sleeves took or hold, and largest force, over the restitution set; the middle height.
 
     Args:
         rows: of all simulators.
@@ -87,7 +87,7 @@ def beam_figure(rows: Sequence[BeamRow]) -> Figure:
         left.plot([], [], marker or "-", color=COLOURS[simulator], label=simulator)
     for ax in (left, right):
         ax.set_xlabel("restitution set")
-    left.set_ylabel("energy taken [%]")
+    left.set_ylabel("energy that sleeves took or hold [%]")
     right.set_ylabel("largest force in a sleeve [N]")
     left.set_title(f"let go from {HOLDS[1]:g} N", loc="left", fontsize=10)
     figure.legend(*left.get_legend_handles_labels(), loc="outside right center", fontsize=LEGEND_SIZE)
