@@ -150,5 +150,5 @@ def _beam_table(study: Study) -> Iterator[str]:
         )
     yield ""
     yield f"FRFs are those of the modal model under {LEVEL:g} N rms, all laws set for {FRF_SET:g}: mean relative change"
-    yield "of the magnitudes against those with spring and dashpot, and the least FRAC of a sensor. Energy is counted with"
-    yield "what the sleeves' springs hold at the end, less what they held while the beam was held up."
+    yield "of the magnitudes against those with spring and dashpot, and the least FRAC of a sensor. Energy is counted"
+    yield "with what the sleeves' springs hold at the end, less what they held while the beam was held up."
