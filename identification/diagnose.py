@@ -14,6 +14,7 @@ from identification.evidence import (
     Ranked,
     log_fit,
     misfit_in_common,
+    misfit_of,
     probabilities,
     reranked,
     with_evidence,
@@ -240,7 +241,7 @@ def _pruned(session: Session, calibrated: Fit, found: Fit) -> list[tuple[int, Fi
     index = 0
     while index < len(found.hypothesis.effects) - 1:
         less = _without(session, calibrated, found, index)
-        scale = found.repeats * max(1.0, found.ratio**2)
+        scale = misfit_of(found)
         if log_fit(found, scale) - log_fit(less, scale) < LEAST_EVIDENCE:
             gone, last = found.hypothesis.effects[index].label(), found.hypothesis.effects[-1].label()
             session.decide(f"{gone} taken out again: beside {last} it explains nothing more")

@@ -79,7 +79,15 @@ def misfit_in_common(ranked: Sequence[Ranked]) -> float:
     The reduced chi-square that the best refit leaves, 1 at least, so that a misfit common to all does not speak; times
     what chi-square counts again, so that the force's noise, which all channels share, speaks once.
     """
-    best = min((row.fit for row in ranked if row.refitted), key=lambda fit: fit.ratio)
+    return misfit_of(min((row.fit for row in ranked if row.refitted), key=lambda fit: fit.ratio))
+
+
+def misfit_of(best: Fit) -> float:
+    """``misfit_in_common`` of a round whose best fit is known.
+
+    Args:
+        best: with all unknowns refitted.
+    """
     return best.repeats * max(1.0, best.ratio**2)
 
 

@@ -9,6 +9,9 @@ from models.effects.protocol import Effect, Family, PlaceKind, Scene, parameter
 from models.ports import Contact, PointLaw
 from models.structure import Structure
 
+WALL = 0.95
+"""Share of the clearance beyond which the film grows no stiffer."""
+
 
 @dataclass(frozen=True)
 class SqueezeFilm(Effect):
@@ -30,7 +33,7 @@ class SqueezeFilm(Effect):
     @staticmethod
     def force(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004
         """Film force, N, with p = (damping, clearance, offset)."""
-        r = 0.95 if abs(q - p[2]) >= 0.95 * p[1] else abs(q - p[2]) / p[1]
+        r = WALL if abs(q - p[2]) >= WALL * p[1] else abs(q - p[2]) / p[1]
         room = 1.0 - r * r
         return -p[0] * v / (room * sqrt(room))
 

@@ -1,11 +1,12 @@
 """A ball that strikes a stop with every law, at every restitution and speed, in every simulator."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from identification.progress import Progress
 from models.ball import STRIKES, Ball, Strike, striker
 from models.ball.restitution import hardness
+from testbed.contact_laws.agreement import largest_by_law
 from testbed.contact_laws.laws import STUDY_LAWS, Meeting, StudyLaw
 
 RESTITUTIONS = (0.1, 0.3, 0.5, 0.7, 0.9, 0.95)
@@ -108,15 +109,13 @@ def disagreement(rows: Sequence[BallRow]) -> dict[str, float]:
     Args:
         rows: of all simulators.
     """
-    worst: dict[str, float] = {}
-    known = {(row.law, row.set, row.speed): row for row in rows if row.simulator == "modal"}
-    for row in rows:
-        modal = known[row.law, row.set, row.speed]
+
+    def shares(row: BallRow, modal: BallRow) -> Iterator[float]:
         for name in ("obtained", "peak", "duration", "lost"):
             one, other = getattr(row, name), getattr(modal, name)
-            size = max(abs(other), LEAST)
-            worst[row.law] = max(worst.get(row.law, 0.0), abs(one - other) / size)
-    return worst
+            yield abs(one - other) / max(abs(other), LEAST)
+
+    return largest_by_law(rows, lambda row: row.speed, shares)
 
 
 LEAST = 0.01

@@ -1,6 +1,6 @@
 """A beam that is let go above its sleeves and strikes them, with every law in them, in every simulator."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,6 +15,7 @@ from models.plant import Plant, build_plant
 from models.rig import Rig
 from models.simulators import SIMULATORS, simulator
 from models.simulators.protocol import Hold, Motion, Resolution, Trial
+from testbed.contact_laws.agreement import largest_by_law
 from testbed.contact_laws.laws import STUDY_LAWS, Meeting, StudyLaw
 from testbed.crosscheck.measures import BAND, FS, LEVEL, multisine
 
@@ -168,17 +169,13 @@ def disagreement(rows: Sequence[BeamRow]) -> dict[str, float]:
     Args:
         rows: of all simulators.
     """
-    worst: dict[str, float] = {}
-    known = {(row.law, row.set, row.hold): row for row in rows if row.simulator == "modal"}
-    for row in rows:
-        modal = known[row.law, row.set, row.hold]
-        shares = (
-            abs(row.peak / modal.peak - 1.0),
-            abs(row.impulse / modal.impulse - 1.0),
-            abs(row.taken - modal.taken) / modal.stored,
-        )
-        worst[row.law] = max(worst.get(row.law, 0.0), *shares)
-    return worst
+
+    def shares(row: BeamRow, modal: BeamRow) -> Iterator[float]:
+        yield abs(row.peak / modal.peak - 1.0)
+        yield abs(row.impulse / modal.impulse - 1.0)
+        yield abs(row.taken - modal.taken) / modal.stored
+
+    return largest_by_law(rows, lambda row: row.hold, shares)
 
 
 def frf_study(rig: Rig, progress: Progress) -> list[FrfRow]:

@@ -9,7 +9,7 @@ from models.contact.dissipating import Dissipating
 from models.contact.hertz import Hertz
 from models.contact.kelvin_voigt import KelvinVoigt
 from models.contact.protocol import ContactLaw
-from models.effects.squeeze_film import SqueezeFilm
+from models.effects.squeeze_film import WALL, SqueezeFilm
 from models.ports import PointLaw, Port
 
 
@@ -91,11 +91,8 @@ def _film_damping(restitution: float, meeting: Meeting) -> float:
     return (1.0 - restitution) * meeting.mass * meeting.speed / (2.0 * (IN_GAP + AT_WALL) * meeting.room)
 
 
-WALL = 0.95
-"""Share of the room beyond which the film's damping stays, as in ``models.effects.squeeze_film``."""
-
 THICKEST: float = (1.0 - WALL**2) ** -1.5
-"""Times the damping amid the gap, beyond it."""
+"""Times the damping amid the gap, beyond ``WALL`` of the room."""
 
 IN_GAP, AT_WALL = WALL / sqrt(1.0 - WALL**2), (1.0 - WALL) * THICKEST
 """Integrals of the film's damping over the room up to there, and from there on."""
