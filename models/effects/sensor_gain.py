@@ -22,8 +22,9 @@ class SensorGain(Effect):
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:
-        """Linear in the gain, so one value tells all."""
-        yield cls(scene.place, gain=0.9)
+        """Upside down, and too little and too much."""
+        for gain in (-1.0, 0.7, 0.9, 1.15, 1.5):
+            yield cls(scene.place, gain=gain)
 
     def change_channels(self, channels: FloatArray, measurement: Measurement) -> FloatArray:
         """The channel times the gain."""

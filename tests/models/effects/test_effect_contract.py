@@ -91,6 +91,18 @@ def test_trials_are_few_distinct_and_within_bounds(cls):
 
 
 @every_effect
+def test_trials_lie_on_both_sides_of_nothing_where_the_effect_can(cls):
+    """The survey takes no size to act in proportion: a gain above 1 is not seen from trials below it."""
+    for structure in cls.structures:
+        for place in places_of(cls, structure):
+            trials = list(cls.trials(scene_at(place, structure)))
+            for name, about in cls.parameters().items():
+                if about.neutral is not None and about.lower < about.neutral < about.upper:
+                    values = [getattr(trial, name) for trial in trials]
+                    assert min(values) < about.neutral < max(values)
+
+
+@every_effect
 def test_trials_follow_the_scene(cls):
     """Twice the motion, force and clearance: the trial laws give twice the force, the trial gaps are twice as wide."""
     for structure in cls.structures:
