@@ -192,12 +192,23 @@ def _round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
             there = fit(evaluator, base.hypothesis, concerning(base, evaluator), max_iterations=1)
             views.append(View(evaluator, there, kinds))
     ranked = judge(views, session.fitting, base, session.progress)
-    if not ranked:
-        return [], None
-    without = replace(ranked[0].fit.hypothesis, effects=base.hypothesis.effects)
-    again = fit(session.fitting, without, base.unknowns, precise=True)
-    better = again if base.cost - again.cost > max(100.0, 0.02 * base.cost) else None
-    return ranked, better
+    return (ranked, _recalibrated(session, base, ranked[0].fit)) if ranked else ([], None)
+
+
+def _recalibrated(session: Session, base: Fit, found: Fit) -> Fit | None:
+    """A calibration from the numbers found beside an effect, where that ends below the one so far; first by a look."""
+    if base.hypothesis.effects:
+        return None
+    without, slopes = replace(found.hypothesis, effects=()), found.jacobian[: len(base.unknowns)]
+    look = fit(session.fitting, without, base.unknowns, max_iterations=LOOK, jacobian=slopes, tolerance=LOOK_TOLERANCE)
+    if look.cost > WORTH_MORE * base.cost:
+        return None
+    again = fit(session.fitting, look.hypothesis, base.unknowns, precise=True)
+    return again if base.cost - again.cost > max(100.0, 0.02 * base.cost) else None
+
+
+LOOK, LOOK_TOLERANCE, WORTH_MORE = 5, 0.02, 1.2
+"""Iterations and tolerance of a look at another calibration; how far above the one so far it may end to be followed."""
 
 
 def _restarted(session: Session, base: Fit, ranked: list[Ranked]) -> list[Ranked]:

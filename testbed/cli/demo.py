@@ -1,5 +1,6 @@
 """``testbed demo``: the whole loop on records of a virtual test, or on those that ship with the project."""
 
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Annotated
 
@@ -14,6 +15,9 @@ EXAMPLE = "Example: testbed demo --with exudyn --out results/demo"
 SHIPPED = "shipped"
 HELD_BACK = "multisine_6"
 """Records with this word in their names are kept aside."""
+
+EXPERIMENTS = ("multisines", "sweep")
+"""Files of the virtual test, carried out side by side."""
 
 DEMO = Path(__file__).parents[1] / "demo"
 
@@ -56,11 +60,13 @@ def _simulated(using: str, folder: Path, jobs: int) -> list[Path]:
     from models.simulators.protocol import Resolution
     from testbed.simulate_run import Order, run_experiment
 
-    files: list[Path] = []
     with progress() as tell:
-        for experiment in ("multisines", "sweep"):
+
+        def made(experiment: str) -> list[Path]:
             order = Order(DEMO / "rig.toml", DEMO / f"{experiment}.toml", using, Resolution(), ".uff")
             tell(f"a virtual test by {using}: {experiment}")
             content = run_experiment(order, folder / experiment, jobs=jobs, progress=tell)
-            files += [folder / experiment / row["record"] for row in content["records"]]
-    return files
+            return [folder / experiment / row["record"] for row in content["records"]]
+
+        with ThreadPoolExecutor(min(jobs, len(EXPERIMENTS))) as pool:
+            return [path for paths in pool.map(made, EXPERIMENTS) for path in paths]
