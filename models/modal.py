@@ -69,6 +69,23 @@ class ModalModel:
             return np.empty((0, self.n))
         return np.stack([self.rows(port.position, port.derivative) for port in self.ports])
 
+    def rest_deflection(self, x: FloatArray) -> FloatArray:
+        """(n,) deflection of the beam at rest, m, upwards from its unloaded axis.
+
+        Args:
+            x: (n,) m from the clamp.
+        """
+        assert self._matrices is not None
+        index = {port: i for i, port in enumerate(self.ports)}
+        rest, plant, load = self.rest, self.plant, self._matrices.weight.copy()
+        rows = _port_rows(self._matrices, self.ports)
+        for law, force in zip(plant.laws, rest.law_forces, strict=True):
+            load += rows[index[law.port]] * force
+        for contact, force in zip(plant.contacts, rest.contact_forces, strict=True):
+            load += rows[index[Port(contact.position)]] * force
+        bent = solve_static(self._matrices.stiffness, load)
+        return np.array([self._matrices.row(float(position)) @ bent for position in x])
+
 
 def build_modal(plant: Plant, band: float, n_modes: int | None = None) -> ModalModel:
     """The modal model for motion up to a frequency.

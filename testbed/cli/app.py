@@ -9,7 +9,21 @@ from typer.main import get_command
 
 from models.errors import InputError
 from testbed import __version__
-from testbed.cli import add, check, compare, crosscheck, demo, diagnose, frf, history, modes, simulate, study, undo
+from testbed.cli import (
+    add,
+    check,
+    compare,
+    crosscheck,
+    demo,
+    diagnose,
+    film,
+    frf,
+    history,
+    modes,
+    simulate,
+    study,
+    undo,
+)
 
 app = typer.Typer(name="testbed", add_completion=False, pretty_exceptions_enable=False)
 
@@ -24,6 +38,7 @@ for module, command in (
     (modes, modes.modes),
     (frf, frf.frf),
     (simulate, simulate.simulate),
+    (film, film.film),
     (crosscheck, crosscheck.crosscheck),
 ):
     app.command(epilog=module.EXAMPLE)(command)

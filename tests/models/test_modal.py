@@ -163,3 +163,13 @@ def test_a_length_in_millimetres_is_refused_before_it_eats_the_machine():
 
     with pytest.raises(InputError, match=r"length = 1469 m.*keeps 100 at most.*in m, Pa"):
         modes_below(Structure.of(beam), 500.0)
+
+
+def test_the_shape_at_rest_passes_through_the_ports_and_sags_like_a_cantilever():
+    model = build_modal(build_plant(REFERENCE), BAND)
+    places = np.array([port.position for port in model.ports])
+    assert model.rest_deflection(places) == pytest.approx(model.rest.position, abs=1e-10)
+    free = build_modal(replace(build_plant(REFERENCE), contacts=(), laws=()), BAND)
+    beam = free.plant.structure
+    sag = -beam.line_mass * beam.gravity * beam.length**4 / (8.0 * beam.bending_stiffness)
+    assert free.rest_deflection(np.array([0.0, beam.length])) == pytest.approx([0.0, sag], abs=1e-9 * abs(sag))

@@ -1,0 +1,84 @@
+"""``testbed film``: files that are there, and what it refuses."""
+
+import json
+
+import numpy as np
+import pytest
+from cli_files import make_files, write_frfs
+from PIL import Image
+
+from models.rig_file import read_rig
+from testbed.cli.app import main
+from testbed.figures.film import magnification
+from testbed.film.run import FRAMES
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    here = tmp_path_factory.mktemp("film")
+    make_files(here)
+    write_frfs(read_rig(here / "rig.toml"), here / "frf.uff")
+    return here
+
+
+def film(folder, of, *more):
+    return main(["film", str(folder / "rig.toml"), str(folder / of), "--out", str(folder / "out"), *more])
+
+
+def test_a_record_is_filmed(folder, capsys):
+    assert film(folder, "sweep.csv", "--from", "0.1", "--to", "0.2", "--json") == 0
+    content = json.loads(capsys.readouterr().out)
+    assert content == json.loads((folder / "out" / "film.json").read_text())
+    assert content["slowed"] == pytest.approx(80.0)
+    picture = Image.open(folder / "out" / "sweep.gif")
+    assert picture.n_frames == FRAMES
+    first = picture.convert("RGB").copy()
+    picture.seek(FRAMES // 2)
+    assert first.tobytes() != picture.convert("RGB").tobytes()
+    assert (folder / "out" / "sweep.glb").read_bytes()[:4] == b"glTF"
+
+
+def test_a_stretch_outside_of_the_record_is_refused(folder, capsys):
+    assert film(folder, "sweep.csv", "--from", "5", "--to", "4") == 2
+    message = capsys.readouterr().err
+    assert "--from 5 --to 4" in message
+    assert "within it" in message
+    assert film(folder, "sweep.csv", "--to", "1e-4") == 2
+
+
+def test_what_does_not_say_what_drove_the_rig_is_refused(folder, capsys):
+    assert film(folder, "frf.uff") == 2
+    assert "no channel of the excitation" in capsys.readouterr().err
+
+
+def test_an_oscillator_is_refused(folder, tmp_path, capsys):
+    (tmp_path / "rig.toml").write_text(OSCILLATOR)
+    (tmp_path / "pull.toml").write_text(PULL)
+    assert film(tmp_path, "pull.toml") == 2
+    assert "'oscillator'" in capsys.readouterr().err
+
+
+OSCILLATOR = """[structure]
+kind = "oscillator"
+mass = 1.0
+stiffness = 1e4
+damping = 1.0
+[excitation]
+name = "shaker"
+[[sensors]]
+name = "A"
+"""
+PULL = """fs = 1024.0
+seed = 1
+[excitation]
+kind = "sweep"
+low = 5.0
+high = 50.0
+amplitude = 1.0
+duration = 0.5
+"""
+
+
+@pytest.mark.parametrize(("largest", "factor"), [(1e-3, 100.0), (2.1e-3, 50.0), (0.06, 2.0), (0.5, 0.2)])
+def test_the_magnification_is_a_round_number(largest, factor):
+    assert magnification(np.array([0.5, -1.0]) * largest, 1.0) == factor
