@@ -1,7 +1,7 @@
 """Every force at a point, one kind of thing: laws of effects, springs, dashpots, absorbers and contacts."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 from typing import NamedTuple
 
@@ -34,6 +34,7 @@ class PointForce:
         rate: dz/dt of an internal state, or None.
         contact: (clearance, offset, growth of the clearance) of a contact, None for a plain law.
         bilateral: a contact that acts in both directions.
+        partner: the other direction's port of a round contact, which pushes towards its centre; None in the plane.
     """
 
     port: Port | Stretch
@@ -42,6 +43,7 @@ class PointForce:
     rate: LawFunction | None = None
     contact: tuple[float, float, float] | None = None
     bilateral: bool = False
+    partner: Port | None = None
 
     def at_rest(self, q: float) -> float:
         """Force on the structure at the start, N, without motion."""
@@ -70,6 +72,7 @@ class Items(NamedTuple):
         first: (n,) where each one's numbers begin in ``values``.
         values: all numbers in a row.
         contact: (n, 5) ``IS_CONTACT`` to ``GROWTH``.
+        partner: (n,) row of the other direction of a round contact, -1 where there is none.
     """
 
     port: IntArray
@@ -78,6 +81,7 @@ class Items(NamedTuple):
     first: IntArray
     values: FloatArray
     contact: FloatArray
+    partner: IntArray
 
 
 def spring_and_dashpot(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG001
@@ -125,12 +129,27 @@ def ports_of(forces: Sequence[PointForce]) -> tuple[Port, ...]:
     Args:
         forces: what acts.
     """
-    return tuple(port for port in dict.fromkeys(force.port for force in forces) if isinstance(port, Port))
+    named = [*(force.port for force in forces), *(force.partner for force in forces)]
+    return tuple(port for port in dict.fromkeys(named) if isinstance(port, Port))
 
 
 def forces_on_structure(plant: Plant) -> tuple[PointForce, ...]:
     """All point forces of a plant but those inside its absorbers, which an engine that has them moves by itself."""
     return tuple(force for force in point_forces(plant) if isinstance(force.port, Port))
+
+
+def round_contacts(forces: Sequence[PointForce]) -> tuple[PointForce, ...]:
+    """The same forces with contacts that are round in space.
+
+    Args:
+        forces: as they act in the plane.
+    """
+    return tuple(
+        replace(force, partner=replace(force.port, across=True))
+        if force.contact is not None and isinstance(force.port, Port)
+        else force
+        for force in forces
+    )
 
 
 def compile_items(forces: Sequence[PointForce], ports: Sequence[Port | Stretch]) -> Items:
@@ -153,4 +172,5 @@ def compile_items(forces: Sequence[PointForce], ports: Sequence[Port | Stretch])
         first=np.cumsum([0, *sizes], dtype=np.int64)[:-1],
         values=np.array([value for force in forces for value in force.values], float),
         contact=contact,
+        partner=np.array([-1 if force.partner is None else index[force.partner] for force in forces], np.int64),
     )

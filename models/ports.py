@@ -17,11 +17,13 @@ class Port:
         position: m from the clamp; None on an oscillator.
         derivative: 0 displacement (force N), 1 slope (moment N m), 2 curvature (N m^2).
         frame: whether q and v are relative to the base or absolute.
+        across: at right angles to the rig's plane, in which all else is; simulators that move in space know it.
     """
 
     position: float | None
     derivative: int = 0
     frame: Frame = "base"
+    across: bool = False
 
 
 @dataclass(frozen=True)

@@ -75,7 +75,7 @@ def run_experiment(order: Order, out: Path, *, jobs: int, progress: Progress) ->
     """
     rig, experiment = read_rig(order.rig_path), read_experiment(order.experiment_path)
     runs, laboratory = runs_of(experiment, rig), laboratory_of(experiment, rig)
-    simulator(order.simulator).check(laboratory.plant())
+    simulator(order.simulator).check(laboratory.plant(), order.resolution)
     known = _known(out, order)
     todo = [number for number, run in enumerate(runs) if run.name not in known]
     if len(todo) < len(runs):

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.integrate import cumulative_simpson
 
 from models.arrays import FloatArray
-from models.cable.matrices import ALONG, OWN, UP, axial_stiffness, gauss_points
+from models.cable.matrices import axial_stiffness, gauss_points
 from models.cable.moving import March
 from models.cable.rig_cable import RigCable
 from models.fine.finite_elements import hermite
@@ -30,7 +30,7 @@ def accounted(cable: RigCable, moved: March, rest: FloatArray, every: int) -> St
         taken -= 0.5 * (force[1:] + force[:-1]) * np.diff(way)
     power = np.zeros(len(q))
     if plant.excitation is not None and plant.excitation.position is not None:
-        power += course.force * (v @ cable.row(plant.excitation.position))
+        power += course.force * (v @ cable.row_of_drive(plant.excitation.position))
     if course.base_moves:
         power -= course.base[2] * (v @ cable.carried)
     lost = np.sum((v @ cable.damping) * v, axis=1)
@@ -38,7 +38,8 @@ def accounted(cable: RigCable, moved: March, rest: FloatArray, every: int) -> St
     return Steps(
         read=np.array(sensors).reshape(-1, len(rest)) @ (q - rest).T,
         motion=np.ascontiguousarray(place.T),
-        forces=np.ascontiguousarray(moved.forces.T),
+        forces=np.ascontiguousarray(moved.forces[:, : len(cable.forces)].T),
+        across=np.ascontiguousarray(moved.forces[:, len(cable.forces) :].T) if cable.in_space else None,
         energy=EnergyBalance(
             stored=stored_energy(cable, q[at], v[at]),
             supplied=cumulative_simpson(power, dx=course.step, initial=0.0)[at],
@@ -57,15 +58,19 @@ def stored_energy(cable: RigCable, q: FloatArray, v: FloatArray) -> FloatArray:
     structure, nodes = cable.plant.structure, cable.nodes
     points = [(k, h, s, weight) for k, h in enumerate(np.diff(nodes)) for s, weight in gauss_points(h)]
     weights = np.array([weight for *_, weight in points])
-    slope, bend = np.zeros((2, 2, len(points), q.shape[1]))  # each along and upwards
+    layout = cable.layout
+    first, second = np.zeros((2, layout.ways, len(points), q.shape[1]))
     for number, (k, h, s, _) in enumerate(points):
-        for way, own in enumerate((ALONG, UP)):
-            slope[way, number, OWN * k + np.array(own)] = hermite(s, h, 1)
-            bend[way, number, OWN * k + np.array(own)] = hermite(s, h, 2)
-    along, up = 1.0 + q @ slope[0].T, q @ slope[1].T
-    square = along**2 + up**2
-    curvature = (along * (q @ bend[1].T) - up * (q @ bend[0].T)) / square
+        for way in range(layout.ways):
+            own = layout.own * k + np.array(layout.of_element(way))
+            first[way, number, own] = hermite(s, h, 1)
+            second[way, number, own] = hermite(s, h, 2)
+    slope, bend = [q @ rows.T for rows in first], [q @ rows.T for rows in second]
+    slope[0] = slope[0] + 1.0
+    square = np.sum(np.square(slope), axis=0)
+    pairs = [(i, j) for j in range(layout.ways) for i in range(j)]
+    turned = np.sum([(slope[i] * bend[j] - slope[j] * bend[i]) ** 2 for i, j in pairs], axis=0)
     strain = axial_stiffness(structure) * ((np.sqrt(square) - 1.0) ** 2 @ weights)
-    strain += structure.bending_stiffness * (curvature**2 @ weights)
+    strain += structure.bending_stiffness * ((turned / square**2) @ weights)
     moving = np.sum((v @ cable.mass) * v, axis=1) + np.sum((q @ cable.attached) * q, axis=1)
     return np.asarray(0.5 * (strain + moving) + structure.gravity * (q @ cable.carried))

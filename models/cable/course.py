@@ -19,6 +19,7 @@ class Course:
         step: s.
         force: (M,) N at every step; empty for none.
         base: (3, M) displacement, velocity and acceleration of the base; (3, 0) where it stands still.
+        angle: of the force from the rig's plane, rad.
         held: N where the cable is held until the motion begins.
         settling: whether the state at rest is sought.
     """
@@ -26,6 +27,7 @@ class Course:
     step: float = 1.0
     force: FloatArray = field(default_factory=_none)
     base: FloatArray = field(default_factory=lambda: np.zeros((3, 0)))
+    angle: float = 0.0
     held: float = 0.0
     settling: bool = True
 

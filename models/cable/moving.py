@@ -10,7 +10,7 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from models.arrays import FloatArray
-from models.cable.matrices import OWN, axial_stiffness
+from models.cable.matrices import axial_stiffness
 from models.cable.rig_cable import RigCable
 from models.errors import DivergenceError, InputError
 
@@ -47,7 +47,7 @@ class March(NamedTuple):
 
     Attributes:
         q, v: (M, n).
-        forces: (M, n_forces) on the structure, N, as Exudyn felt them.
+        forces: (M, n_forces) on the structure, N, as Exudyn felt them; then those of round contacts across the plane.
     """
 
     q: FloatArray
@@ -92,7 +92,7 @@ def march(cable: RigCable, n_steps: int, step: float) -> March:
     system, data = cable.system, cable.system.systemData
     cable.course.settling = False
     times, places, speeds = [0.0], [_begun(cable)], [np.zeros(len(cable.carried))]
-    felt = [force for law in cable.laws for force in law.felt]
+    felt = cable.felt()
     busy = [law for law in cable.laws if law.has_states]
 
     def keep(mbs: Any, t: float) -> bool:  # noqa: ARG001
@@ -102,8 +102,7 @@ def march(cable: RigCable, n_steps: int, step: float) -> March:
             times.append(t)
             places.append(data.GetODE2Coordinates())
             speeds.append(data.GetODE2Coordinates_t())
-            for law in cable.laws:
-                felt.extend(law.felt)
+            felt.extend(cable.felt())
         return True
 
     system.SetPostStepUserFunction(keep)
@@ -114,8 +113,8 @@ def march(cable: RigCable, n_steps: int, step: float) -> March:
             f"exudyn: the motion was lost {times[-1]:.4f} s after the start with steps of {step:.3g} s; take more "
             "steps per sample (--steps), or look for a negative stiffness or damping among the effects"
         )
-    forces = np.empty((len(time), len(cable.forces)))
-    forces[:, [k for number in range(len(cable.ports)) for k in cable.of_port(number)]] = np.reshape(felt, forces.shape)
+    forces = np.empty((len(time), len(cable.columns)))
+    forces[:, cable.columns] = np.reshape(felt, forces.shape)
     whole = step * np.arange(n_steps + 1)
     if len(time) == len(whole) and np.abs(time - whole).max() < ON_TIME * step:
         return March(q, v, forces)
@@ -129,12 +128,16 @@ def _begun(cable: RigCable) -> FloatArray:
     for law, place in zip(cable.laws, (cable.port_rows @ q).tolist(), strict=True):
         law.begin()
         law(0.0, place, 0.0)
+    for number, around in enumerate(cable.rounds):
+        around(0.0, cable.place_in(number, q), (0.0, 0.0))
     return q
 
 
 def natural_freqs(cable: RigCable, n: int) -> FloatArray:
     """(n,) of small undamped motion about where the cable stands, Hz, from Exudyn's own tangent."""
-    held = [0, 1] if cable.plant.structure.clamp_stiffness < inf else [0, 1, OWN - 1]
+    held = list(cable.layout.fixed)
+    if cable.plant.structure.clamp_stiffness == inf:
+        held += cable.layout.turning
     freqs, _ = cable.system.ComputeODE2Eigenvalues(
         constrainedCoordinates=held, ignoreAlgebraicEquations=True, convert2Frequencies=True, useSparseSolver=False
     )

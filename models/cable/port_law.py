@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from math import hypot
 
 from models.point_forces import PointForce, closed_part
 
@@ -81,6 +82,35 @@ class PortLaw:
             if abs(step) < SETTLED:
                 break
         return state
+
+
+class RoundLaw:
+    """A contact that is round in space: a law of the radius, whose force points to the centre.
+
+    Args:
+        force: the contact as it acts in the plane.
+        step: s.
+    """
+
+    def __init__(self, force: PointForce, step: float) -> None:
+        assert force.contact is not None
+        self.force, self.felt, self._offset = force, [0.0, 0.0], force.contact[1]
+        self._radial = _contact(force, step)
+
+    def __call__(self, t: float, place: tuple[float, float], speed: tuple[float, float]) -> tuple[float, float]:
+        """Forces on the structure in the rig's plane and across it, N.
+
+        Args:
+            t: s.
+            place: in the plane and across it, m.
+            speed: likewise, m/s.
+        """
+        u, w = place[0] - self._offset, place[1]
+        r, moved = hypot(u, w), hypot(*speed)
+        up, aside = (u / r, w / r) if r > 0.0 else (speed[0] / moved, speed[1] / moved) if moved > 0.0 else (1.0, 0.0)
+        force = self._radial(t, self._offset + r, speed[0] * up + speed[1] * aside)
+        self.felt = [force * up, force * aside]
+        return force * up, force * aside
 
 
 def _contact(force: PointForce, step: float) -> Callable[[float, float, float], float]:

@@ -30,7 +30,7 @@ class Engine(NamedTuple):
         model, data: addresses of the engine's structures.
         qpos, qvel, qfrc: (n_dofs,) positions, velocities and applied forces.
         gravity: (3,) m/s^2.
-        anchor: (n_joints, 3) place of each joint, m.
+        anchor, axis: (n_joints, 3) place of each joint, m, and its direction.
         centre: (n_bodies, 3) of mass, m.
         turned: (n_bodies, 9) rotation of each body.
         constrained: (n_dofs,) forces of the engine's own contacts.
@@ -45,6 +45,7 @@ class Engine(NamedTuple):
     qfrc: FloatArray
     gravity: FloatArray
     anchor: FloatArray
+    axis: FloatArray
     centre: FloatArray
     turned: FloatArray
     constrained: FloatArray
@@ -54,16 +55,20 @@ class Chain(NamedTuple):
     """Segments, from the clamp on, and what is read of them.
 
     Attributes:
-        body, dof: (n,) numbers of each segment's body and hinge in the engine.
-        heights, slopes: (n_rows, n) weights of ``Segments.reading``; the ports first, then where the force acts, then
-            the sensors.
+        body: (n_segments,) number of each segment's body in the engine.
+        dof, segment: (n,) number of each hinge in the engine, and of the segment that it turns first.
+        heights, slopes: (n_rows, n_segments) weights of ``Segments.reading``; the ports first, then where the force
+            acts, then the sensors.
+        toward: (n_rows, 2) direction that each row reads, across the rig's plane (y) and in it (z).
         damping: (n, n) N m s/rad between the hinges that the engine's own hinge damping leaves.
     """
 
     body: IntArray
     dof: IntArray
+    segment: IntArray
     heights: FloatArray
     slopes: FloatArray
+    toward: FloatArray
     damping: FloatArray
 
 
@@ -92,6 +97,7 @@ class Log(NamedTuple):
         read: (n_sensors, M) m or rad.
         motion: (n_ports, M) m.
         forces: (n_items, M) N on the structure.
+        across: (n_items, M) N on the structure across the plane, or (0, M) where it moves in the plane.
         work: (3, M) J since the first step: supplied, damped outside of the hinges, taken by laws and contacts.
         qpos, qvel: (M, n_dofs).
         constrained: (M, n_dofs) forces of the engine's own contacts, or (0, n_dofs) where it has none.
@@ -100,6 +106,7 @@ class Log(NamedTuple):
     read: FloatArray
     motion: FloatArray
     forces: FloatArray
+    across: FloatArray
     work: FloatArray
     qpos: FloatArray
     qvel: FloatArray
@@ -109,19 +116,27 @@ class Log(NamedTuple):
 @compiled
 def place_rows(engine: Engine, chain: Chain, rows: FloatArray, place: FloatArray) -> None:
     """Fill in (n_rows, n) motion of each reading by hinge angle, and (n_rows,) the readings, where the chain is now."""
-    n = chain.dof.shape[0]
+    n, centre, turned = chain.dof.shape[0], engine.centre, engine.turned
     for r in range(rows.shape[0]):
-        place[r] = 0.0
-        lever, turn, reach = 0.0, 0.0, 0.0
+        y, z = chain.toward[r, 0], chain.toward[r, 1]
+        place[r], reach, k = 0.0, 0.0, chain.body.shape[0]
+        sum_x, sum_y, sum_z = 0.0, 0.0, 0.0
         for i in range(n - 1, -1, -1):
-            a, b = chain.heights[r, i], chain.slopes[r, i]
-            if a != 0.0 or b != 0.0:
-                body = chain.body[i]
-                place[r] += a * engine.centre[body, 2] + b * engine.turned[body, 6]
-                reach += a
-                lever += a * engine.centre[body, 0]
-                turn += b * engine.turned[body, 0]
-            rows[r, i] = lever - reach * engine.anchor[chain.dof[i], 0] + turn
+            while k > chain.segment[i]:  # all segments beyond a hinge turn with it
+                k -= 1
+                a, b = chain.heights[r, k], chain.slopes[r, k]
+                if a != 0.0 or b != 0.0:
+                    body = chain.body[k]
+                    reach += a
+                    sum_x += a * centre[body, 0] + b * turned[body, 0]
+                    sum_y += a * centre[body, 1] + b * turned[body, 3]
+                    sum_z += a * centre[body, 2] + b * turned[body, 6]
+            anchor, axis = engine.anchor[chain.dof[i]], engine.axis[chain.dof[i]]
+            x = sum_x - reach * anchor[0]
+            up = axis[0] * (sum_y - reach * anchor[1]) - axis[1] * x
+            aside = axis[2] * x - axis[0] * (sum_z - reach * anchor[2])
+            rows[r, i] = y * aside + z * up
+        place[r] = y * sum_y + z * sum_z
 
 
 @compiled
@@ -139,6 +154,32 @@ def contact_force(items: Items, j: int, t: float, h: float, q: float, v: float) 
         return 0.0
     normal: float = call_law(law, t, amid, rate, 0.0, items.values, first)
     return -side * share * max(0.0, normal)
+
+
+@compiled
+def round_force(
+    items: Items, j: int, t: float, h: float, q: float, y: float, v: float, w: float
+) -> tuple[float, float]:
+    """Mean force of a round contact on the structure over a step, in the plane and across it, towards its centre.
+
+    Args:
+        items: with the contact.
+        j: its number.
+        t: s.
+        h: s.
+        q: place in the plane, m.
+        y: across it, m.
+        v: dq/dt, m/s.
+        w: dy/dt, m/s.
+    """
+    u, up, aside = q - items.contact[j, OFFSET], 1.0, 0.0
+    r, speed = np.sqrt(u * u + y * y), np.sqrt(v * v + w * w)
+    if r > 0.0:
+        up, aside = u / r, y / r
+    elif speed > 0.0:
+        up, aside = v / speed, w / speed
+    force: float = contact_force(items, j, t, h, items.contact[j, OFFSET] + r, v * up + w * aside)
+    return force * up, force * aside
 
 
 @compiled
@@ -193,7 +234,16 @@ def march(engine: Engine, chain: Chain, course: Course, items: Items, log: Log) 
             if course.absolute[r] > 0.0 and moving:
                 q += course.base[0, step]
                 v += course.base[1, step]
-            if items.contact[j, IS_CONTACT] > 0.0:
+            partner = items.partner[j]
+            if partner >= 0:
+                w = 0.0
+                for i in range(n):
+                    w += rows[partner, i] * velocity[i]
+                force, aside = round_force(items, j, t, h, q, place[partner], v, w)
+                log.across[j, step] = aside
+                for i in range(n):
+                    now_taken[i] -= rows[partner, i] * aside
+            elif items.contact[j, IS_CONTACT] > 0.0:
                 force = contact_force(items, j, t, h, q, v)
             else:
                 if items.rate[j] != 0 and step > 0:

@@ -14,8 +14,8 @@ from models.chain.sleeve_mesh import sleeve_mesh
 from models.plant import Plant
 from models.structure import Structure
 
-UPWARDS = (0.0, -1.0, 0.0)
-"""Axis of the hinges: a positive angle lifts what comes after."""
+UPWARDS, SIDEWAYS = (0.0, -1.0, 0.0), (0.0, 0.0, 1.0)
+"""Axes of the hinges: a positive angle lifts what comes after, or turns it towards y."""
 
 ANY_STEP = 0.25
 """Newmark's beta at which a spring is stable at any step, for a clamp that is all but built in."""
@@ -35,12 +35,14 @@ class ChainSettings:
         newmark: beta of Newmark's method that the armature of the hinges makes of the engine's own step.
         rotary_inertia: whether the sections' own rotary inertia is counted.
         native_contact: whether the engine's own contacts act in the sleeves, instead of our laws.
+        spatial: whether every hinge bends across the rig's plane too.
     """
 
     step: float
     newmark: float
     rotary_inertia: bool
     native_contact: bool = False
+    spatial: bool = False
 
 
 def build_spec(plant: Plant, segments: Segments, settings: ChainSettings) -> Any:
@@ -129,9 +131,16 @@ def is_stiff(clamp_stiffness: float, structure: Structure, segments: Segments) -
 
 def _add_hinge(body: Any, name: str, stiffness: float, damping: float, settings: ChainSettings) -> None:
     """A sprung hinge; the engine damps implicitly, half a step late, which the armature makes good (docs/theory.md)."""
-    hinge = body.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_HINGE, axis=UPWARDS)
-    hinge.stiffness[0], hinge.damping[0] = stiffness, damping
-    hinge.armature = max(0.0, settings.newmark * settings.step**2 * stiffness - 0.5 * settings.step * damping)
+    axes = {name: UPWARDS, sway_of(name): SIDEWAYS} if settings.spatial else {name: UPWARDS}
+    for joint, axis in axes.items():
+        hinge = body.add_joint(name=joint, type=mujoco.mjtJoint.mjJNT_HINGE, axis=axis)
+        hinge.stiffness[0], hinge.damping[0] = stiffness, damping
+        hinge.armature = max(0.0, settings.newmark * settings.step**2 * stiffness - 0.5 * settings.step * damping)
+
+
+def sway_of(hinge: str) -> str:
+    """Name of the joint that turns sideways what a hinge lifts."""
+    return f"{hinge} sideways"
 
 
 def _give_mass(

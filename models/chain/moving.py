@@ -1,6 +1,6 @@
 """One test of a chain from rest: the engine's steps, what the sensors saw and where the energy went."""
 
-from math import inf
+from math import cos, inf, sin
 from typing import Any
 
 import mujoco
@@ -25,6 +25,7 @@ def move_chain(
     base: FloatArray,
     every: int,
     hold: tuple[float, float] | None = None,
+    angle: float = 0.0,
 ) -> Steps:
     """Move a chain through a given course.
 
@@ -34,6 +35,7 @@ def move_chain(
         base: (3, M) displacement, velocity and acceleration of the base, or (3, 0).
         every: steps per sample.
         hold: (position m, force N) that deflects the chain until the first step, or None.
+        angle: of the force from the rig's plane, rad; the chain must bend in space where it is not 0.
 
     Raises:
         DivergenceError: the motion left the finite numbers.
@@ -43,12 +45,14 @@ def move_chain(
     driven_at = None if plant.excitation is None else plant.excitation.position
     places = [(plant.structure.length if driven_at is None else driven_at, 0), *sensors]
     seen = readings(model, plant, chain.segments, chain.ports, places)
+    seen.toward[len(chain.ports)] = sin(angle), cos(angle)
     seen = seen._replace(damping=_damping_left(chain, seen))
     data = mujoco.MjData(model)
     data.qpos[:] = chain.rest
     mujoco.mj_forward(model, data)
     engine = engine_of(model, data)
     rows, place = np.zeros((len(seen.heights), len(seen.dof))), np.zeros(len(seen.heights))
+    in_space = any(force.partner is not None for force in chain.forces)
     place_rows(engine, seen, rows, place)
     at_rest = place[len(chain.ports) + 1 :].copy()
     if hold is not None:
@@ -66,9 +70,15 @@ def move_chain(
     items = compile_items(own, chain.ports)
     m = len(force)
     log = Log(
-        np.empty((len(sensors), m)), np.empty((len(chain.ports), m)), np.empty((len(own), m)),
-        np.empty((3, m)), np.empty((m, model.nq)), np.empty((m, model.nv)), np.empty((m if native else 0, model.nv)),
-    )  # fmt: skip
+        read=np.empty((len(sensors), m)),
+        motion=np.empty((len(chain.ports), m)),
+        forces=np.empty((len(own), m)),
+        across=np.zeros((len(own) if in_space else 0, m)),
+        work=np.empty((3, m)),
+        qpos=np.empty((m, model.nq)),
+        qvel=np.empty((m, model.nv)),
+        constrained=np.empty((m if native else 0, model.nv)),
+    )
     absolute = np.array([1.0 if port.frame == "ground" else 0.0 for port in chain.ports])
     weight = plant.structure.gravity
     with without_warnings():
@@ -124,7 +134,8 @@ def _accounted(chain: RigChain, log: Log, last: FloatArray, base: FloatArray, st
         shaken = -0.5 * (base[2, :-1] + base[2, 1:])
         supplied = supplied + _summed(step * shaken * (pieces @ carried))
     ways = (stored, supplied, log.work[1] + _summed(in_hinges), log.work[2])
-    return Steps(log.read, log.motion, log.forces, EnergyBalance(*(way[::every] for way in ways)))
+    across = log.across[len(log.across) - len(chain.plant.contacts) :] if len(log.across) else None
+    return Steps(log.read, log.motion, log.forces, EnergyBalance(*(way[::every] for way in ways)), across)
 
 
 def _summed(pieces: FloatArray) -> FloatArray:

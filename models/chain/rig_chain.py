@@ -13,13 +13,13 @@ from scipy.linalg import eigh
 from models.arrays import FloatArray
 from models.chain.engine_call import engine_address
 from models.chain.march import Chain, Engine, place_rows
-from models.chain.mjcf import ChainSettings, build_spec
+from models.chain.mjcf import ChainSettings, build_spec, sway_of
 from models.chain.native_contact import check_stops
 from models.chain.segments import Segments
 from models.equilibrium import find_rest, forces_at
 from models.errors import InputError
 from models.plant import Plant
-from models.point_forces import PointForce, forces_on_structure, ports_of
+from models.point_forces import PointForce, forces_on_structure, ports_of, round_contacts
 from models.ports import Port
 
 REST_ITERATIONS = 30
@@ -66,6 +66,12 @@ class RigChain:
         above = forces_at(self.port_rest + nudge, self.ports, self.forces)
         below = forces_at(self.port_rest - nudge, self.ports, self.forces)
         slope = (above - below) / (2.0 * nudge)
+        for force in self.forces:
+            if force.partner is not None and force.contact is not None:
+                # A round contact's force turns with the place: across it, its spring is force over radius.
+                at = self.port_rest[self.ports.index(force.port)]
+                if at != force.contact[1]:
+                    slope[self.ports.index(force.partner)] += force.at_rest(at) / (at - force.contact[1])
         return np.asarray(np.diag(spring_stiffness(self.model)) - (self.rows.T * slope) @ self.rows)
 
     def natural_freqs(self, n: int) -> FloatArray:
@@ -96,6 +102,8 @@ def build_chain(plant: Plant, n: int, settings: ChainSettings) -> RigChain:
     model = build_spec(plant, segments, settings).compile()
     data = mujoco.MjData(model)
     forces = forces_on_structure(plant)
+    if settings.spatial:
+        forces = round_contacts(forces)
     ports = ports_of(forces)
     rows, place = _settle(model, data, readings(model, plant, segments, ports), ports, forces)
     return RigChain(plant, segments, model, data, ports, forces, rows, data.qpos.copy(), place)
@@ -169,6 +177,7 @@ def engine_of(model: Any, data: Any) -> Engine:
         data.qfrc_applied,
         model.opt.gravity,
         data.xanchor,
+        data.xaxis,
         data.xipos,
         data.ximat,
         data.qfrc_constraint,
@@ -179,18 +188,23 @@ def readings(model: Any, plant: Plant, segments: Segments, ports: tuple[Port, ..
     """What is read of the chain: the ports, then ``extra`` places, (position, derivative) each."""
     names = [f"segment {i + 1}" for i in range(segments.n)]
     hinges = [f"hinge {i + 1}" for i in range(segments.n)]
+    joints = {model.joint(i).name: model.joint(i).dofadr[0] for i in range(model.njnt)}
     clamp_turns = plant.structure.clamp_stiffness < inf
     places = [(port.position or 0.0, port.derivative) for port in ports] + list(extra)
     weights = [_weights(segments, position, derivative, clamp_turns) for position, derivative in places]
     if clamp_turns:
         names, hinges = ["clamp", *names], ["clamp", *hinges]
     width = len(names)
+    turning = [(i, name) for i, hinge in enumerate(hinges) for name in (hinge, sway_of(hinge)) if name in joints]
+    toward = [(1.0, 0.0) if port.across else (0.0, 1.0) for port in ports] + [(0.0, 1.0)] * len(extra)
     return Chain(
-        np.array([model.body(name).id for name in names], np.int64),
-        np.array([model.joint(name).dofadr[0] for name in hinges], np.int64),
-        np.array([heights for heights, _ in weights]).reshape(-1, width),
-        np.array([slopes for _, slopes in weights]).reshape(-1, width),
-        np.zeros((width, width)),
+        body=np.array([model.body(name).id for name in names], np.int64),
+        dof=np.array([joints[name] for _, name in turning], np.int64),
+        segment=np.array([i for i, _ in turning], np.int64),
+        heights=np.array([heights for heights, _ in weights]).reshape(-1, width),
+        slopes=np.array([slopes for _, slopes in weights]).reshape(-1, width),
+        toward=np.array(toward).reshape(-1, 2),
+        damping=np.zeros((len(turning), len(turning))),
     )
 
 

@@ -8,9 +8,10 @@ import numpy as np
 from models.arrays import FloatArray
 from models.band_limit import STOP_EDGE
 from models.cable.accounts import accounted
+from models.cable.build import build_cable, compliance_at
 from models.cable.course import Course
+from models.cable.matrices import PLANE, SPACE, Layout
 from models.cable.moving import march, natural_freqs, settle
-from models.cable.rig_cable import build_cable, compliance_at
 from models.plant import Plant
 from models.simulators.driving import at_place, driven
 from models.simulators.protocol import Motion, Resolution, Simulator, Trial, beam_limits
@@ -38,13 +39,17 @@ class Exudyn(Simulator):
     name: ClassVar[str] = "exudyn"
     source: ClassVar[str] = "J. Gerstmayr, Multibody Syst. Dyn. 60 (2024) 135; J. Gerstmayr, A. A. Shabana (2006)"
 
-    def cannot_carry(self, plant: Plant) -> tuple[str, ...]:
-        """An oscillator, an axial load, hinges of damage, one loss factor for all modes, laws on curvature."""
-        return beam_limits(plant)
+    def cannot_carry(self, plant: Plant, resolution: Resolution) -> tuple[str, ...]:
+        """An oscillator, an axial load, hinges of damage, one loss factor for all modes, laws on curvature.
+
+        Nor rotary inertia, which cables do not have, nor a contact of its own.
+        """
+        asked = {"rotary inertia": resolution.rotary_inertia, "native contact": resolution.native_contact}
+        return (*beam_limits(plant, resolution), *(words for words, present in asked.items() if present))
 
     def natural_freqs(self, plant: Plant, n: int, resolution: Resolution) -> FloatArray:
         """(n,) Hz; by default with twice as many elements as for a record."""
-        cable = build_cable(plant, resolution.n_parts or 2 * LEAST_ELEMENTS, Course())
+        cable = build_cable(plant, resolution.n_parts or 2 * LEAST_ELEMENTS, Course(), layout=_layout(resolution))
         settle(cable)
         return natural_freqs(cable, n)
 
@@ -55,8 +60,9 @@ class Exudyn(Simulator):
         n = resolution.n_parts or n_elements(plant.structure, STOP_EDGE * trial.fs, fastest)
         factor = resolution.steps_per_sample or ceil(max(1.0 / STEP, fastest / sqrt(STIFF)) / trial.fs)
         step = 1.0 / (trial.fs * factor)
-        course = Course(step, *driven(plant, trial, factor))
-        cable = build_cable(plant, n, course, None if trial.hold is None else trial.hold.position)
+        course = Course(step, *driven(plant, trial, factor), angle=trial.angle)
+        held_at = None if trial.hold is None else trial.hold.position
+        cable = build_cable(plant, n, course, held_at, _layout(resolution))
         rest = settle(cable)
         if trial.hold is not None:
             course.held = trial.hold.force
@@ -78,6 +84,10 @@ def n_elements(structure: Structure, band: float, contact_rate: float) -> int:
     omega = np.array([2.0 * np.pi * band / OF_BAND**2, contact_rate / OF_CONTACT**2])
     wave_number = np.sqrt(omega * sqrt(structure.line_mass / structure.bending_stiffness))
     return max(LEAST_ELEMENTS, ceil(structure.length * float(wave_number.max())))
+
+
+def _layout(resolution: Resolution) -> Layout:
+    return SPACE if resolution.spatial else PLANE
 
 
 def _contact_rate(plant: Plant) -> float:

@@ -28,9 +28,14 @@ class Modal(Simulator):
     name: ClassVar[str] = "modal"
     source: ClassVar[str] = "docs/theory.md, sections 2 to 5"
 
-    def cannot_carry(self, plant: Plant) -> tuple[str, ...]:  # noqa: ARG002
-        """Nothing: every effect of the library is written for it."""
-        return ()
+    def cannot_carry(self, plant: Plant, resolution: Resolution) -> tuple[str, ...]:  # noqa: ARG002
+        """No effect: the library is written for it; but it moves in the plane, as a thin rod."""
+        asked = {
+            "motion in space": resolution.spatial,
+            "rotary inertia": resolution.rotary_inertia,
+            "native contact": resolution.native_contact,
+        }
+        return tuple(words for words, present in asked.items() if present)
 
     def natural_freqs(self, plant: Plant, n: int, resolution: Resolution) -> FloatArray:
         """(n,) Hz; by default with twice as many modes."""

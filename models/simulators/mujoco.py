@@ -45,14 +45,18 @@ class Mujoco(Simulator):
     name: ClassVar[str] = "mujoco"
     source: ClassVar[str] = "E. Todorov, T. Erez, Y. Tassa, IROS (2012) 5026; docs/theory.md, section 7"
 
-    def cannot_carry(self, plant: Plant) -> tuple[str, ...]:
-        """An oscillator, an axial load, hinges of damage, one loss factor for all modes, and laws on curvature."""
-        return beam_limits(plant)
+    def cannot_carry(self, plant: Plant, resolution: Resolution) -> tuple[str, ...]:
+        """An oscillator, an axial load, hinges of damage, one loss factor for all modes, and laws on curvature.
+
+        In space, neither laws of the gap in the plane nor the engine's own contact between planes.
+        """
+        flat = ("native contact in space",) if resolution.spatial and resolution.native_contact else ()
+        return (*beam_limits(plant, resolution), *flat)
 
     def natural_freqs(self, plant: Plant, n: int, resolution: Resolution) -> FloatArray:
         """(n,) Hz; by default the segments are those for a record at 2,048 Hz."""
         segments = resolution.n_parts or n_segments(plant, 2048.0)
-        settings = ChainSettings(1e-4, 0.0, resolution.rotary_inertia)
+        settings = ChainSettings(1e-4, 0.0, resolution.rotary_inertia, spatial=resolution.spatial)
         return build_chain(plant, segments, settings).natural_freqs(n)
 
     def carry_out(self, plant: Plant, trial: Trial, resolution: Resolution) -> Motion:
@@ -61,11 +65,13 @@ class Mujoco(Simulator):
         n = resolution.n_parts or n_segments(plant, trial.fs)
         factor = resolution.steps_per_sample or self._factor(plant, trial.fs, n, resolution)
         step = 1.0 / (trial.fs * factor)
-        settings = ChainSettings(step, NEWMARK, resolution.rotary_inertia, resolution.native_contact)
+        settings = ChainSettings(
+            step, NEWMARK, resolution.rotary_inertia, resolution.native_contact, resolution.spatial
+        )
         chain = build_chain(plant, n, settings)
         force, base = driven(plant, trial, factor, bend=NEWMARK)
         hold = None if trial.hold is None else (trial.hold.position, trial.hold.force)
-        motion = move_chain(chain, force, base, factor, hold)
+        motion = move_chain(chain, force, base, factor, hold, trial.angle)
         choices = (
             f"{n} segments of {1e3 * chain.segments.h:.3g} mm" + ("" if resolution.n_parts else AUTO_SEGMENTS),
             f"steps of {1e6 * step:.3g} us, {factor} per sample" + ("" if resolution.steps_per_sample else AUTO_STEP),
@@ -86,7 +92,8 @@ class Mujoco(Simulator):
 
     @staticmethod
     def _factor(plant: Plant, fs: float, n: int, resolution: Resolution) -> int:
-        chain = build_chain(plant, n, ChainSettings(1e-4, 0.0, resolution.rotary_inertia))
+        settings = ChainSettings(1e-4, 0.0, resolution.rotary_inertia, spatial=resolution.spatial)
+        chain = build_chain(plant, n, settings)
         return ceil(1.0 / (fs * largest_step(chain)))
 
 
@@ -127,7 +134,7 @@ def largest_step(chain: RigChain) -> float:
     highest = sqrt(float(np.linalg.eigvals(np.linalg.solve(chain.mass, tangent)).real.max()))
     steps = [STABLE / highest]
     for contact in chain.plant.contacts:
-        port = next(p for p in chain.ports if p.position == contact.position and p.derivative == 0)
+        port = chain.ports[chain.ports.index(Port(contact.position))]
         slope = contact.law.slope_under(1e3) * chain.compliance_of(port)
         steps.append(sqrt(STIFF / slope))
     nudge = 1e-6

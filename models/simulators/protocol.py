@@ -3,6 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import degrees
 from typing import ClassVar
 
 import numpy as np
@@ -33,6 +34,7 @@ class Trial:
         fs: rate of the record, Hz.
         excitation: (N,) true excitation in the SI unit of the rig's excitation, band-limited between the samples.
         position: where the force acts, m from the clamp, if it is not where the rig says.
+        angle: of the force about the beam's axis from the rig's plane, rad; it acts in the plane where this is 0.
         hold: what deflects the rig before the first sample, or None.
         free: the record's own parameters of effects that have some (a phase), by name.
     """
@@ -40,6 +42,7 @@ class Trial:
     fs: float
     excitation: FloatArray
     position: float | None = None
+    angle: float = 0.0
     hold: Hold | None = None
     free: Mapping[str, float] = field(default_factory=dict)
 
@@ -59,12 +62,14 @@ class Resolution:
         rotary_inertia: whether the sections' own rotary inertia is counted, where the simulator can.
         native_contact: whether the engine's own contact acts in the sleeves instead of our laws, where it has one; a
             control for studies of contact.
+        spatial: whether the beam bends across the rig's plane too, in sleeves that are round.
     """
 
     n_parts: int | None = None
     steps_per_sample: int | None = None
     rotary_inertia: bool = False
     native_contact: bool = False
+    spatial: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,17 +97,31 @@ class EnergyBalance:
 
 
 @dataclass(frozen=True, eq=False)
+class Across:
+    """What happens in the sleeves at right angles to the rig's plane.
+
+    Attributes:
+        places: (n_contacts, M) m.
+        forces: (n_contacts, M) N on the beam.
+    """
+
+    places: FloatArray
+    forces: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
 class Motion:
     """What a simulator answers.
 
     Attributes:
         channels: (n_sensors, N) in the order of the plant's sensors, SI, as recorded without noise.
         fs: rate of forces and gaps, the simulator's own steps, Hz.
-        contact_forces: (n_contacts, M) N on the beam, positive upwards.
+        contact_forces: (n_contacts, M) N on the beam, positive upwards, in the rig's plane.
         places: (n_contacts, M) m, of the beam in each sleeve, from its unloaded axis.
         gaps: (n_contacts, M) m of room between beam and sleeve; negative where it is pressed in.
         energy: where it went.
         choices: what was chosen and why, one line each.
+        across: the sleeves' other direction; None where the beam moves in the plane.
     """
 
     channels: FloatArray
@@ -112,9 +131,10 @@ class Motion:
     gaps: FloatArray
     energy: EnergyBalance
     choices: tuple[str, ...] = ()
+    across: Across | None = None
 
 
-def beam_limits(plant: Plant) -> tuple[str, ...]:
+def beam_limits(plant: Plant, resolution: Resolution) -> tuple[str, ...]:
     """What neither the chain nor the cable carries of a plant, in words."""
     structure = plant.structure
     asked = {
@@ -123,8 +143,18 @@ def beam_limits(plant: Plant) -> tuple[str, ...]:
         "a local loss of stiffness": bool(structure.hinges),
         "one loss factor for all modes": structure.loss_factor is not None,
         "a law on curvature": any(law.port.derivative > 1 for law in plant.laws),
+        **{f"{kind}, a law of the gap in the plane, in space": resolution.spatial for kind in _kinds_in_gaps(plant)},
     }
     return tuple(words for words, present in asked.items() if present)
+
+
+def _is_pushed(plant: Plant) -> bool:
+    return plant.excitation is not None and plant.excitation.quantity == "force"
+
+
+def _kinds_in_gaps(plant: Plant) -> list[str]:
+    """Labels of the effects whose force depends on the beam's place in its gap."""
+    return [e.label() for e in plant.effects if e.places == ("sleeve",) and e.family == "point force"]
 
 
 class Simulator(ABC):
@@ -134,8 +164,8 @@ class Simulator(ABC):
     source: ClassVar[str]
 
     @abstractmethod
-    def cannot_carry(self, plant: Plant) -> tuple[str, ...]:
-        """What the plant has and this simulator has not, in words; empty where it carries all of it."""
+    def cannot_carry(self, plant: Plant, resolution: Resolution) -> tuple[str, ...]:
+        """What is asked for and this simulator has not, in words; empty where it carries all of it."""
 
     @abstractmethod
     def natural_freqs(self, plant: Plant, n: int, resolution: Resolution) -> FloatArray:
@@ -162,19 +192,26 @@ class Simulator(ABC):
             InputError: the plant has something that this simulator cannot carry, or no state at rest.
             DivergenceError: the engine lost the motion.
         """
-        self.check(plant)
+        self.check(plant, resolution)
+        if trial.angle and not (resolution.spatial and _is_pushed(plant)):
+            raise InputError(
+                f"angle = {degrees(trial.angle):g} degrees",
+                "a force out of the rig's plane bends a beam that may leave it; a base moves in the plane",
+                "ask for motion in space (--spatial), or leave the angle out",
+            )
         return self.carry_out(plant, trial, resolution)
 
-    def check(self, plant: Plant) -> None:
+    def check(self, plant: Plant, resolution: Resolution) -> None:
         """Refuse what this simulator cannot carry, by name.
 
         Args:
             plant: the rig with its effects.
+            resolution: what is asked for.
 
         Raises:
             InputError: the first thing.
         """
-        missing = self.cannot_carry(plant)
+        missing = self.cannot_carry(plant, resolution)
         if missing:
             raise InputError(
                 f"{self.name}: {missing[0]}",

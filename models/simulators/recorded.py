@@ -12,7 +12,7 @@ from models.fine.course import base_motion
 from models.linear import ORDER_READ
 from models.plant import Plant
 from models.ports import Port
-from models.simulators.protocol import EnergyBalance, Motion, Trial
+from models.simulators.protocol import Across, EnergyBalance, Motion, Trial
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,12 +24,14 @@ class Steps:
         motion: (n_ports, M) place of the ports as their laws see it, m.
         forces: (n_forces, M) of each point force on the structure, the contacts' last, N.
         energy: where it went, at the samples.
+        across: (n_contacts, M) forces of the contacts across the rig's plane, N, or None where they are in it.
     """
 
     read: FloatArray
     motion: FloatArray
     forces: FloatArray
     energy: EnergyBalance
+    across: FloatArray | None = None
 
 
 def recorded(
@@ -58,15 +60,24 @@ def recorded(
     for effect in plant.effects:
         channels = effect.change_channels(channels, measurement)
     place = steps.motion[[ports.index(Port(contact.position)) for contact in plant.contacts]]
+    aside = np.zeros_like(place)
+    if steps.across is not None:
+        aside = steps.motion[[ports.index(Port(contact.position, across=True)) for contact in plant.contacts]]
     time = np.arange(place.shape[1]) / (trial.fs * factor)
     gaps = [
-        contact.clearance + contact.clearance_rate * time - np.abs(row - contact.offset)
-        for contact, row in zip(plant.contacts, place, strict=True)
+        contact.clearance + contact.clearance_rate * time - np.hypot(row - contact.offset, other)
+        for contact, row, other in zip(plant.contacts, place, aside, strict=True)
     ]
-    of_contacts = steps.forces[len(steps.forces) - len(plant.contacts) :]
-    shape = place.shape
-    fs = trial.fs * factor
-    return Motion(channels, fs, of_contacts, place, np.array(gaps).reshape(shape), steps.energy, choices)
+    return Motion(
+        channels=channels,
+        fs=trial.fs * factor,
+        contact_forces=steps.forces[len(steps.forces) - len(plant.contacts) :],
+        places=place,
+        gaps=np.array(gaps).reshape(place.shape),
+        energy=steps.energy,
+        choices=choices,
+        across=None if steps.across is None else Across(aside, steps.across),
+    )
 
 
 def rate_of(place: FloatArray, fs: float) -> FloatArray:

@@ -96,7 +96,7 @@ def crosscheck(
             raise InputError(
                 f"--against {each}", f"the modal model is held against {' or '.join(BOUNDS)}", "name one of these"
             )
-        simulator(each).check(build_plant(rig))
+        simulator(each).check(build_plant(rig), Resolution())
     modal = simulator("modal")
     measures: list[Measure] = []
     motions: dict[str, Motion] = {}

@@ -2,8 +2,9 @@
 
 from pathlib import Path
 
+from models.cable.build import build_cable
 from models.cable.course import Course
-from models.cable.rig_cable import RigCable, build_cable
+from models.cable.rig_cable import RigCable
 from models.plant import Plant
 from models.rig import Rig, Sleeve
 from models.rig_file import read_rig

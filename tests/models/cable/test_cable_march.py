@@ -4,10 +4,10 @@ from cable_scenes import EI, LENGTH, LINE_MASS, REFERENCE, bare_beam
 
 from models.beam.clamped_free import wave_numbers
 from models.cable.accounts import accounted
+from models.cable.build import build_cable
 from models.cable.course import Course
 from models.cable.moving import march, settle
 from models.cable.port_law import PortLaw
-from models.cable.rig_cable import build_cable
 from models.effects import EFFECTS, build_effect
 from models.errors import DivergenceError
 from models.plant import build_plant

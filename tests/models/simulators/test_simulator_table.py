@@ -63,9 +63,9 @@ def test_what_an_engine_does_not_carry_is_named(name, change, words):
 
     plant = build_plant(REFERENCE)
     changed = replace(plant, structure=replace(plant.structure, **change))
-    assert simulator(name).cannot_carry(changed) == (words,)
-    assert simulator("modal").cannot_carry(changed) == ()
-    assert simulator(name).cannot_carry(plant) == ()
+    assert simulator(name).cannot_carry(changed, Resolution()) == (words,)
+    assert simulator("modal").cannot_carry(changed, Resolution()) == ()
+    assert simulator(name).cannot_carry(plant, Resolution()) == ()
 
 
 @pytest.mark.parametrize("name", ENGINES)

@@ -50,7 +50,7 @@ def test_every_effect_has_an_example():
 def test_every_effect_is_carried_or_refused_by_name(name, kind):
     plant = with_effects({"kind": kind, **EXAMPLES[kind]})
     trial = Trial(FS, noise(512, 30.0))
-    missing = simulator(name).cannot_carry(plant)
+    missing = simulator(name).cannot_carry(plant, Resolution())
     if missing:
         assert all(missing)
         return
