@@ -19,7 +19,7 @@ from models.rig_file import read_rig
 from models.simulators import simulator
 from models.simulators.protocol import Motion, Resolution
 from testbed import __version__
-from testbed.figures.contact import contact_figure
+from testbed.figures.contact import contact_figure, orbit_figure
 from testbed.figures.save import save
 from testbed.inputs import sha256
 from testbed.outputs import json_text, staged
@@ -141,21 +141,25 @@ def one_run(order: Order, number: int, out: Path) -> Json:
         write_record(record, rig, stage / file)
         if motion.gaps.size:
             save(contact_figure(motion, laboratory.plant(), run.name), stage / "figures", run.name)
+            if motion.across is not None:
+                save(orbit_figure(motion, laboratory.plant(), run.name), stage / "figures", f"{run.name}-orbit")
     return {"record": file, "sha256": sha256(out / file), **_row(run, motion, laboratory.plant())}
 
 
 def _row(run: Run, motion: Motion, plant: Plant) -> Json:
     """What the simulator did, in numbers."""
-    closed = motion.gaps < 0.0
+    closed, pushes = motion.gaps < 0.0, np.abs(motion.contact_forces)
+    if motion.across is not None:
+        pushes = np.hypot(pushes, motion.across.forces)
     contacts = [
         {
             "sleeve": contact.sleeve,
             "share_closed": float(shut.mean()),
             "impacts": int(np.sum(shut[1:] & ~shut[:-1])),
-            "largest_force": float(np.abs(force).max()),
+            "largest_force": float(force.max()),
             "deepest": float(max(0.0, -gap.min())),
         }
-        for contact, shut, force, gap in zip(plant.contacts, closed, motion.contact_forces, motion.gaps, strict=True)
+        for contact, shut, force, gap in zip(plant.contacts, closed, pushes, motion.gaps, strict=True)
     ]
     return {
         "seconds_of_motion": run.trial.n_samples / run.trial.fs,

@@ -23,6 +23,9 @@ Parts = Annotated[
 Steps = Annotated[
     int | None, typer.Option("--steps", min=1, help="Steps per sample; chosen and explained unless given.")
 ]
+Spatial = Annotated[
+    bool, typer.Option("--spatial", help="Let the beam leave the rig's plane, in sleeves that are round.")
+]
 
 
 def simulate(
@@ -34,6 +37,7 @@ def simulate(
     form: Format = "uff",
     parts: Parts = None,
     steps: Steps = None,
+    spatial: Spatial = False,
     jobs: Jobs = 2,
     as_json: AsJson = False,
 ) -> None:
@@ -43,7 +47,7 @@ def simulate(
         from models.simulators.protocol import Resolution
         from testbed.simulate_run import Order, run_experiment
 
-        order = Order(rig, experiment, using, Resolution(parts, steps), f".{form}")
+        order = Order(rig, experiment, using, Resolution(parts, steps, spatial=spatial), f".{form}")
         content = run_experiment(order, folder, jobs=jobs, progress=tell)
     from testbed.check import counted
     from testbed.cli.tables import print_json, print_table, say

@@ -1,7 +1,8 @@
 """From an experiment to its runs: what drives each of them, and which part of it is recorded."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import radians
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from testbed.virtual.excitations import (
 )
 from testbed.virtual.experiment import (
     AnyExcitation,
+    Drive,
     Experiment,
     FreeDecay,
     Hammer,
@@ -68,7 +70,9 @@ def runs_of(experiment: Experiment, rig: Rig) -> tuple[Run, ...]:
             f"excitation.kind = {excitation.kind!r} on a driven base", "a hammer is a force", "take another kind"
         )
     _check_on_beam(excitation, rig)
-    return tuple(PLANS[type(excitation)](excitation, experiment.fs, rng))
+    angle = radians(excitation.angle) if isinstance(excitation, Drive) else 0.0
+    runs = PLANS[type(excitation)](excitation, experiment.fs, rng)
+    return tuple(replace(run, trial=replace(run.trial, angle=angle)) for run in runs)
 
 
 def _check_on_beam(excitation: AnyExcitation, rig: Rig) -> None:

@@ -14,7 +14,13 @@ from testbed.virtual.excitations import Lines
 Count = Annotated[int, Field(ge=1, strict=True)]
 
 
-class Multisine(Part):
+class Drive(Part):
+    """What a rig's excitation does; ``angle``, degrees, turns a force about the beam's axis out of the rig's plane."""
+
+    angle: Annotated[float, Field(ge=-180, le=180, strict=True)] = 0.0
+
+
+class Multisine(Drive):
     """Periods of a sum of sines of random phase; ``rms`` may be a list of levels, each a record.
 
     ``lines``: all of a period's spectrum, the odd ones, or the odd ones without one of each four, drawn at random,
@@ -31,7 +37,7 @@ class Multisine(Part):
     lines: Lines = "full"
 
 
-class Sweep(Part):
+class Sweep(Drive):
     """A sine whose frequency grows by equal ratios in equal times."""
 
     kind: Literal["sweep"]
@@ -41,7 +47,7 @@ class Sweep(Part):
     duration: Positive = 8.0
 
 
-class SteppedSine(Part):
+class SteppedSine(Drive):
     """Sines one after the other, each for so many cycles and without a jump of phase."""
 
     kind: Literal["stepped_sine"]
@@ -52,7 +58,7 @@ class SteppedSine(Part):
     amplitude: Positive = 5.0
 
 
-class Hammer(Part):
+class Hammer(Drive):
     """Blows of half a sine; ``double`` is the share of a second hit ``rebound`` s after each, 0 for none."""
 
     kind: Literal["hammer"]
@@ -65,7 +71,7 @@ class Hammer(Part):
     rebound: Positive = 0.02
 
 
-class RovingHammer(Part):
+class RovingHammer(Drive):
     """The same blow at one place after the other, each a record: ``positions`` are m from the clamp."""
 
     kind: Literal["roving_hammer"]
@@ -85,7 +91,7 @@ class Release(Part):
     duration: Positive = 4.0
 
 
-class FreeDecay(Part):
+class FreeDecay(Drive):
     """A burst of a sine, and the record of what follows it: the excitation is over before it begins."""
 
     kind: Literal["free_decay"]

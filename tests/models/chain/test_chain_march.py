@@ -3,14 +3,15 @@ import pytest
 from chain_scenes import EI, LENGTH, LINE_MASS, REFERENCE, bare, chain_of
 
 from models.beam.clamped_free import wave_numbers
+from models.cable.port_law import RoundLaw
 from models.chain.engine_call import engine_address, without_warnings
-from models.chain.march import contact_force
+from models.chain.march import contact_force, round_force
 from models.chain.mjcf import ChainSettings
 from models.chain.moving import move_chain
 from models.contact.kelvin_voigt import KelvinVoigt
 from models.errors import DivergenceError
 from models.plant import build_plant
-from models.point_forces import PointForce, closed_part, compile_items
+from models.point_forces import PointForce, closed_part, compile_items, round_contacts
 from models.ports import Port
 from models.rig import Excitation, Sensor, Sleeve
 
@@ -105,3 +106,31 @@ def test_the_engines_functions_are_found_and_its_warnings_come_back():
         raise ZeroDivisionError
     with without_warnings():
         pass
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7, 2.0, -1.3])
+@pytest.mark.parametrize("clearance", [1e-4, 0.0])
+def test_a_round_contact_is_the_plane_one_along_the_radius(angle, clearance):
+    law = KelvinVoigt(1e5, 80.0)
+    plain = PointForce(
+        Port(1.0), law.normal_force, law.values, contact=(clearance, 2e-5, 0.0), bilateral=clearance == 0
+    )
+    (force,) = round_contacts([plain])
+    items = compile_items([force], [Port(1.0), Port(1.0, across=True)])
+    cable = RoundLaw(force, 1e-5)
+    r, speed, up, aside = 1.6e-4, 0.01, np.cos(angle), np.sin(angle)
+    radial = contact_force(items, 0, 0.0, 1e-5, 2e-5 + r, speed)
+    found = round_force(items, 0, 0.0, 1e-5, 2e-5 + r * up, r * aside, speed * up, speed * aside)
+    assert found == pytest.approx((radial * up, radial * aside), rel=1e-9)
+    assert cable(0.0, (2e-5 + r * up, r * aside), (speed * up, speed * aside)) == pytest.approx(found, rel=1e-9)
+    assert radial < 0.0
+
+
+def test_a_round_contact_knows_a_way_out_of_its_centre():
+    law = KelvinVoigt(1e5, 80.0)
+    plain = PointForce(Port(1.0), law.normal_force, law.values, contact=(0.0, 0.0, 0.0), bilateral=True)
+    (force,) = round_contacts([plain])
+    items = compile_items([force], [Port(1.0), Port(1.0, across=True)])
+    assert round_force(items, 0, 0.0, 1e-5, 0.0, 0.0, 0.0, 0.2) == pytest.approx((0.0, -80.0 * 0.2))
+    assert round_force(items, 0, 0.0, 1e-5, 0.0, 0.0, 0.0, 0.0) == (0.0, 0.0)
+    assert RoundLaw(force, 1e-5)(0.0, (0.0, 0.0), (0.0, 0.2)) == pytest.approx((0.0, -80.0 * 0.2))

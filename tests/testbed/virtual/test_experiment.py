@@ -28,7 +28,9 @@ def test_every_kind_and_key_stands_in_the_docs():
     page = (DOCS / "experiments.md").read_text()
     for kind, part in EXCITATIONS.items():
         (row,) = [line for line in page.splitlines() if line.startswith(f"| `{kind}` |")]
-        assert all(f"`{key}`" in row or f"{key} of each" in row for key in part.model_fields if key != "kind"), kind
+        named = [key for key in part.model_fields if key not in ("kind", "angle")]
+        assert all(f"`{key}`" in row or f"{key} of each" in row for key in named), kind
+        assert ("angle" in part.model_fields) == (kind != "release")
 
 
 @pytest.mark.parametrize(
@@ -38,7 +40,7 @@ def test_every_kind_and_key_stands_in_the_docs():
         ('[excitation]\nkind = "multisin"', r"kind = multisin; a kind is one of multisine, sweep, .*; choose one"),
         (
             '[excitation]\nkind = "sweep"\nlo = 3.0',
-            r"excitation.lo; the keys here are kind, low, .*; did you mean low\?",
+            r"excitation.lo; the keys here are angle, kind, low, .*; did you mean low\?",
         ),
         ('[excitation]\nkind = "sweep"\nlow = -3.0', r"excitation.low = -3.0; input should be greater than 0; docs/"),
         ('[excitation]\nkind = "sweep"\n[sensors.P1]\npreste = "x"', r"sensors.P1.preste; .*; did you mean preset\?"),
