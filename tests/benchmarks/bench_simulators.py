@@ -106,7 +106,7 @@ def test_speed_at_equal_accuracy():
     page = (
         "# Speed of the three simulators\n\n"
         f"Reference rig, 8 accelerometers at {FS:.0f} Hz under a multisine of 30 N rms, both sleeves struck; each with"
-        f" the fewest parts times steps that stay within {100 * ERROR:g} % of its own converged motion over {SECONDS:g} s."
+        f" the fewest parts times steps that stay within {100 * ERROR:g} % of its own converged motion."
         f" Processor time of {LONGER:g} s of motion, models built anew, the least of {TIMES} runs taken in turn.\n\n"
         f"{table(head, rows)}"
     )
