@@ -98,7 +98,7 @@ def fit(
     if jacobian is not None:
         rows[:kept] = jacobian
     _differentiate(evaluator, state, unknowns, rows, range(kept, len(unknowns)))
-    fresh, fine, damping = kept == 0, False, 1e-3
+    fresh, fine, damping = kept == 0, False, FAR_DAMPING
     for _ in range(max_iterations):
         new, promised, damping = _step(evaluator, state, unknowns, prior, rows, damping)
         gained = state.cost - new.cost
@@ -108,7 +108,7 @@ def fit(
         if small and (fresh or keep):
             if fine or not precise:
                 break
-            fine = True
+            fine, damping = True, NEAR_DAMPING
         refresh_all = not keep and (small or not POOR_SHARE < gained / max(promised, LEAST_GAIN) < 1.0 / POOR_SHARE)
         first = 0 if refresh_all or fine else kept
         _differentiate(evaluator, state, unknowns, rows, range(first, len(unknowns)), fine=fine)
@@ -144,6 +144,10 @@ LEAST_GAIN = 0.1
 
 POOR_SHARE = 0.6
 """Where a step brings less than this share of what it promised, or that much more, the kept columns are out of date."""
+
+FAR_DAMPING, NEAR_DAMPING = 1e-3, 1e-9
+"""Damping at first, as a share of each unknown's information: from afar, and near the minimum with fine differences,
+where what is left to follow are valleys that only a prior closes."""
 
 DAMPINGS = (1.0, 0.03, 30.0)
 """Factors on the damping tried together, so that no core waits."""

@@ -99,7 +99,10 @@ class Unknown(ABC):
 
 @dataclass(frozen=True)
 class RigUnknown(Unknown):
-    """A toleranced number of the rig file, in standard deviations from the given value, kept near its tolerance."""
+    """A toleranced number of the rig file, in standard deviations from the given value, kept near its tolerance.
+
+    Counted in logarithms: what only a product of two numbers tells leaves a straight valley, not a curved one.
+    """
 
     parameter: RigParameter
     step: float = 0.05
@@ -109,12 +112,12 @@ class RigUnknown(Unknown):
     def get(self, hypothesis: Hypothesis) -> float:
         """Standard deviations from the rig file."""
         value = hypothesis.values.get(self.parameter.path, self.parameter.value)
-        return (value - self.parameter.value) / self.parameter.std
+        return log(value / self.parameter.value) / self.parameter.tolerance
 
     def set(self, hypothesis: Hypothesis, x: float) -> Hypothesis:
-        """Kept within ``LARGEST_SIGMA``, and positive."""
+        """Kept within ``LARGEST_SIGMA``."""
         x = min(max(x, -LARGEST_SIGMA), LARGEST_SIGMA)
-        value = max(self.parameter.value + x * self.parameter.std, 0.05 * self.parameter.value)
+        value = self.parameter.value * exp(x * self.parameter.tolerance)
         return replace(hypothesis, values={**hypothesis.values, self.parameter.path: value})
 
 

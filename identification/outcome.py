@@ -28,8 +28,8 @@ def rig_estimates(result: Fit) -> tuple[Estimate, ...]:
     for unknown, std in zip(result.unknowns, result.std(), strict=True):
         if isinstance(unknown, RigUnknown):
             about = unknown.parameter
-            value = about.value + unknown.get(result.hypothesis) * about.std
-            rows.append(Estimate(about.path, value, float(std) * about.std, about.unit))
+            value = result.hypothesis.values.get(about.path, about.value)
+            rows.append(Estimate(about.path, value, float(std) * about.tolerance * value, about.unit))
     return tuple(rows)
 
 

@@ -70,6 +70,11 @@ class RigParameter:
     value: float
     std: float
 
+    @property
+    def tolerance(self) -> float:
+        """The standard deviation as a share of the value."""
+        return self.std / self.value
+
 
 class Rig(Part):
     """The whole description. Every other file names its parts by the names given here."""

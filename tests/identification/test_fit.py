@@ -18,6 +18,7 @@ from identification.hypothesis import (
 )
 from identification.prepare import start_unknowns
 from models.effects import Place
+from models.effects.contact_stiffness import ContactStiffness
 from models.effects.youngs_modulus import YoungsModulus
 
 
@@ -202,6 +203,24 @@ def test_two_names_for_one_number_are_known_no_better_than_their_tolerance():
     tolerance = REFERENCE.tolerances["youngs_modulus"]
     std = float(found.std()[-1]) * YoungsModulus.parameters()["ratio"].spread  # its coordinate is a logarithm
     assert 0.8 * tolerance < std < 1.3 * tolerance
+
+
+def test_only_the_prior_splits_a_product_that_the_data_tell():
+    """A fit that begins down the valley comes back to the tolerance's middle, not only to its floor."""
+    stiffer = ContactStiffness(Place(sleeve="sleeve 2"), ratio=0.5)
+    truth = Hypothesis(REFERENCE, effects=(stiffer,))
+    evaluator = evaluator_of(measured(truth, multisine(2048, rms=20.0)))
+    unknowns = (*rig_unknowns(REFERENCE), *effect_unknowns(truth))
+    spring = next(u for u in unknowns if isinstance(u, RigUnknown) and u.parameter.path == "sleeves[1].stiffness")
+    down = spring.set(truth, 2.0)
+    share = down.values[spring.parameter.path] / spring.parameter.value
+    down = replace(down, effects=(replace(stiffer, ratio=0.5 / share),))
+
+    found = fit(evaluator, down, unknowns, max_iterations=8, tolerance=0.0, precise=True)
+
+    assert abs(spring.get(found.hypothesis)) < 0.1
+    assert found.hypothesis.effects[0].ratio == pytest.approx(0.5, rel=0.02)
+    assert found.std()[unknowns.index(spring)] == pytest.approx(1.0, abs=0.05)
 
 
 def test_what_the_data_do_not_tell_is_not_known():

@@ -56,9 +56,10 @@ def test_a_number_of_the_rig_is_told_in_its_unit_and_widened_by_the_misfit():
     wide = {e.name: e for e in rig_estimates(fit_of(hypothesis, unknowns, 0.2, ratio=3.0))}
 
     first = unknowns[0].parameter
-    assert rows[first.path].value == pytest.approx(first.value + 1.5 * first.std)
-    assert rows[first.path].std == pytest.approx(0.2 * first.std)
-    assert wide[first.path].std == pytest.approx(0.6 * first.std)
+    value = first.value * np.exp(1.5 * first.tolerance)
+    assert rows[first.path].value == pytest.approx(value)
+    assert rows[first.path].std == pytest.approx(0.2 * first.tolerance * value)
+    assert wide[first.path].std == pytest.approx(0.6 * first.tolerance * value)
     assert (set(rows), rows["mass"].unit) == ({"mass", "stiffness", "damping"}, "kg")
 
 

@@ -62,7 +62,9 @@ def evaluator_of(*pairs, jobs=1, settings=Settings()):  # noqa: B008
 def moved(rig, *sigmas):
     """The rig's toleranced numbers, moved by so many of their standard deviations."""
     parameters = rig.parameters()
-    return Hypothesis(rig, values={p.path: p.value + s * p.std for p, s in zip(parameters, sigmas, strict=True)})
+    return Hypothesis(
+        rig, values={p.path: p.value * np.exp(s * p.tolerance) for p, s in zip(parameters, sigmas, strict=True)}
+    )
 
 
 def fit_of(effect, chi2, *, std=0.01, n_data=1000, places=False):
