@@ -88,9 +88,7 @@ def build_cable(
     for absorber in structure.absorbers:
         build.absorber(absorber.position or 0.0, absorber.mass, absorber.coefficients)
     if driven_at is not None:
-        build.load(driven_at, UP, lambda mbs, t, load: cos(course.angle) * course.force_at(t))  # noqa: ARG005
-        if course.angle:
-            build.load(driven_at, ACROSS, lambda mbs, t, load: sin(course.angle) * course.force_at(t))  # noqa: ARG005
+        build.drive(driven_at)
     if held_at is not None:
         build.load(held_at, UP, lambda mbs, t, load: course.held if course.settling else 0.0)  # noqa: ARG005
     if course.base_moves:
@@ -183,14 +181,15 @@ class _Builder:
     def law(self, port: Port, law: PortLaw) -> None:
         """All forces of a port, between the ground and the beam."""
         markers = [self.still, self._marker(port.position or 0.0, port.derivative, UP)]
-        course, absolute = self.cable.course, port.frame == "ground"
+        course, force = self.cable.course, law.asked()
 
-        def felt(mbs: Any, t: float, item: int, q: float, v: float, *rest: float) -> float:  # noqa: ARG001
-            if absolute:
-                q, v = q + course.base_at(t, 0), v + course.base_at(t, 1)
-            return -law(0.0 if course.settling else t, q, v)
+        def absolute(mbs: Any, t: float, item: int, q: float, v: float, *rest: float) -> float:  # noqa: ARG001
+            return -force(0.0 if course.settling else t, q + course.base_at(t, 0), v + course.base_at(t, 1))
 
-        asked: Any = felt
+        def relative(mbs: Any, t: float, item: int, q: float, v: float, *rest: float) -> float:  # noqa: ARG001
+            return -force(0.0 if course.settling else t, q, v)
+
+        asked: Any = absolute if port.frame == "ground" else relative
         self.system.AddObject(
             ObjectConnectorCoordinateSpringDamper(markerNumbers=markers, springForceUserFunction=asked)
         )
@@ -227,6 +226,13 @@ class _Builder:
             return -mass * (gravity + course.base_at(t, 2))
 
         self.system.AddLoad(LoadCoordinate(markerNumber=marker, loadUserFunction=weight))
+
+    def drive(self, position: float) -> None:
+        """The force that drives the cable, at its angle."""
+        course = self.cable.course
+        for way, share in ((UP, cos(course.angle)), (ACROSS, sin(course.angle))):
+            if share:
+                self.load(position, way, course.force_as_load(share))
 
     def load(self, position: float, way: int, force: Any) -> None:
         """A force one way, as Exudyn asks for it."""

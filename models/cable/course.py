@@ -1,5 +1,6 @@
 """What drives a cable, as functions of time that Exudyn may ask for at any moment."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -40,9 +41,19 @@ class Course:
         """Whether it does."""
         return bool(self.base.shape[1])
 
-    def force_at(self, t: float) -> float:
-        """N at a time, s."""
-        return 0.0 if self.settling or not self._force else self._between(self._force, t)
+    def force_as_load(self, share: float) -> Callable[[object, float, float], float]:
+        """A share of the force as Exudyn asks for it, three times a step."""
+        values: list[float] = [share * value for value in self._force]
+        rate, last = 1.0 / self.step, len(values) - 2
+
+        def load(mbs: object, t: float, value: float) -> float:  # noqa: ARG001
+            if self.settling or not values:
+                return 0.0
+            place = t * rate
+            k = min(int(place), last)
+            return values[k] + (place - k) * (values[k + 1] - values[k])
+
+        return load
 
     def base_at(self, t: float, order: int) -> float:
         """Displacement, velocity or acceleration of the base (order 0, 1, 2) at a time, s."""

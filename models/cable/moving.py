@@ -92,7 +92,8 @@ def march(cable: RigCable, n_steps: int, step: float) -> March:
     system, data = cable.system, cable.system.systemData
     cable.course.settling = False
     times, places, speeds = [0.0], [_begun(cable)], [np.zeros(len(cable.carried))]
-    felt = cable.felt()
+    rows = [law.felt for law in cable.laws] + [law.felt for law in cable.rounds]
+    felt = [force for row in rows for force in row]
     busy = [law for law in cable.laws if law.has_states]
 
     def keep(mbs: Any, t: float) -> bool:  # noqa: ARG001
@@ -102,7 +103,8 @@ def march(cable: RigCable, n_steps: int, step: float) -> March:
             times.append(t)
             places.append(data.GetODE2Coordinates())
             speeds.append(data.GetODE2Coordinates_t())
-            felt.extend(cable.felt())
+            for row in rows:
+                felt.extend(row)
         return True
 
     system.SetPostStepUserFunction(keep)

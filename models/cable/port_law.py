@@ -21,7 +21,7 @@ class PortLaw:
     Attributes:
         forces: what acts here.
         step: s.
-        felt: N, each force as last asked for.
+        felt: N, each force as last asked for, always in this list.
     """
 
     forces: Sequence[PointForce]
@@ -34,6 +34,7 @@ class PortLaw:
 
     def __post_init__(self) -> None:
         self._asked = [self._asked_of(number, force) for number, force in enumerate(self.forces)]
+        self.felt[:] = [0.0] * len(self.forces)
         self.begin()
 
     def _asked_of(self, number: int, force: PointForce) -> Callable[[float, float, float], float]:
@@ -57,8 +58,20 @@ class PortLaw:
     def __call__(self, t: float, q: float, v: float) -> float:
         """Force on the structure, N, at the end of the present step."""
         self._now = (t, q, v)
-        self.felt = [asked(t, q, v) for asked in self._asked]
+        self.felt[:] = [asked(t, q, v) for asked in self._asked]
         return sum(self.felt)
+
+    def asked(self) -> Callable[[float, float, float], float]:
+        """What Exudyn calls: this law, or a shorter way to the same force where one without a state acts alone."""
+        if len(self.forces) != 1 or self.has_states:
+            return self
+        (only,), felt = self._asked, self.felt
+
+        def alone(t: float, q: float, v: float) -> float:
+            felt[0] = force = only(t, q, v)
+            return force
+
+        return alone
 
     def settle(self) -> None:
         """End the present step where the forces were last asked for."""
@@ -109,7 +122,7 @@ class RoundLaw:
         r, moved = hypot(u, w), hypot(*speed)
         up, aside = (u / r, w / r) if r > 0.0 else (speed[0] / moved, speed[1] / moved) if moved > 0.0 else (1.0, 0.0)
         force = self._radial(t, self._offset + r, speed[0] * up + speed[1] * aside)
-        self.felt = [force * up, force * aside]
+        self.felt[:] = [force * up, force * aside]
         return force * up, force * aside
 
 
@@ -119,7 +132,7 @@ def _contact(force: PointForce, step: float) -> Callable[[float, float, float], 
     A dashpot jumps as it begins to push, and a step that ends within the jump would have no solution.
     """
     assert force.contact is not None
-    (clearance, offset, growth), law, values = force.contact, force.law, force.values
+    (clearance, offset, growth), law, values, half = force.contact, force.law, force.values, 0.5 * step
 
     def both_ways(t: float, q: float, v: float) -> float:
         side = 1.0 if q >= offset else -1.0
@@ -127,8 +140,10 @@ def _contact(force: PointForce, step: float) -> Callable[[float, float, float], 
 
     def pushing(t: float, q: float, v: float) -> float:
         side = 1.0 if q >= offset else -1.0
-        rate = side * v - growth
-        share, amid = closed_part(side * (q - offset) - clearance - growth * t, rate, step)
-        return -side * share * max(0.0, law(t, amid, rate, 0.0, values)) if share else 0.0
+        rate, p = side * v - growth, side * (q - offset) - clearance - growth * t
+        if p <= -half * abs(rate):
+            return 0.0
+        share, amid = closed_part(p, rate, step)
+        return -side * share * max(0.0, law(t, amid, rate, 0.0, values))
 
     return both_ways if force.bilateral else pushing

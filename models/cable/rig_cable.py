@@ -96,7 +96,7 @@ class RigCable:
 
     @cached_property
     def columns(self) -> list[int]:
-        """Numbers of the forces in the order in which ``felt`` tells them."""
+        """Numbers of the forces in the order of the laws and the round contacts, as each tells them."""
         n = len(self.forces)
         plain = [
             k
@@ -105,8 +105,3 @@ class RigCable:
             if force.port == port and force.partner is None
         ]
         return plain + [k for i, law in enumerate(self.rounds) for k in (self.forces.index(law.force), n + i)]
-
-    def felt(self) -> list[float]:
-        """N, all forces as Exudyn last asked for them."""
-        plain = [force for law in self.laws for force in law.felt]
-        return plain + [force for law in self.rounds for force in law.felt]

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from cable_scenes import EI, LENGTH, LINE_MASS, REFERENCE, bare_beam, still_cable
@@ -9,7 +11,7 @@ from models.effects import EFFECTS, build_effect
 from models.errors import InputError
 from models.modal import build_modal
 from models.plant import build_plant
-from models.point_forces import PointForce
+from models.ports import PointLaw, Port
 from models.rig import EffectEntry
 
 
@@ -56,11 +58,8 @@ def test_a_static_force_stores_half_its_work():
 
 
 def test_no_state_at_rest_is_one_error_in_three_parts():
-    entry = EffectEntry(kind="point_stiffness", position=1.2, stiffness=1.0)
-    plant = build_plant(REFERENCE, [build_effect(entry, REFERENCE, EFFECTS)])
-    cable = still_cable(plant, 12)
-    cable.laws[0].forces = [PointForce(cable.ports[0], lambda *motion: float("nan"), ())]
-    cable.laws[0].__post_init__()
+    law = PointLaw(Port(1.2), lambda *motion: float("nan"), ())
+    cable = still_cable(replace(build_plant(REFERENCE), laws=(law,)), 12)
     with pytest.raises(
         InputError, match=r"exudyn at rest: no equilibrium was found; the beam rests where .*; look for"
     ):
