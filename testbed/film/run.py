@@ -25,7 +25,7 @@ from testbed.virtual.laboratory import laboratory_of
 FRAMES, PER_SECOND = 160, 20
 """Frames, and how many of them are shown in a second."""
 
-COLOURS = 96
+COLOURS = 48
 
 
 @dataclass(frozen=True)
