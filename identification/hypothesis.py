@@ -111,8 +111,7 @@ class RigUnknown(Unknown):
 
     def get(self, hypothesis: Hypothesis) -> float:
         """Standard deviations from the rig file."""
-        value = hypothesis.values.get(self.parameter.path, self.parameter.value)
-        return log(value / self.parameter.value) / self.parameter.tolerance
+        return self.parameter.deviations(hypothesis.values.get(self.parameter.path, self.parameter.value))
 
     def set(self, hypothesis: Hypothesis, x: float) -> Hypothesis:
         """Kept within ``LARGEST_SIGMA``."""

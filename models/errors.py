@@ -14,6 +14,10 @@ class InputError(ValueError):
         super().__init__(f"{given}; {expected}; {mend}")
         self.given, self.expected, self.mend = given, expected, mend
 
+    def __reduce__(self) -> tuple[type["InputError"], tuple[str, str, str]]:
+        """By its three parts, so that it comes whole out of another process."""
+        return InputError, (self.given, self.expected, self.mend)
+
 
 class DivergenceError(ArithmeticError):
     """A simulation left the range of finite numbers; the message says when and what to change."""

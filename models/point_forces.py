@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import pi
+from math import pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -103,6 +103,25 @@ def closed_part(p: float, rate: float, h: float) -> tuple[float, float]:
     if p <= -reach:
         return 0.0, 0.0
     return 0.5 * (p + reach) / reach, 0.5 * (p + reach)
+
+
+def about_centre(u: float, y: float, v: float, w: float) -> tuple[float, float, float]:
+    """Distance from the centre of a round sleeve, m, and the direction of the beam from it, in the plane and across.
+
+    At the centre itself it is the direction of the motion.
+
+    Args:
+        u: place in the plane, from the centre, m.
+        y: across it, m.
+        v: du/dt, m/s.
+        w: dy/dt, m/s.
+    """
+    r, speed = sqrt(u * u + y * y), sqrt(v * v + w * w)
+    if r > 0.0:
+        return r, u / r, y / r
+    if speed > 0.0:
+        return r, v / speed, w / speed
+    return r, 1.0, 0.0
 
 
 def point_forces(plant: Plant) -> tuple[PointForce, ...]:

@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from math import log
 from typing import Annotated, Any, NamedTuple, TypeVar
 
 from pydantic import Field, model_validator
@@ -74,6 +75,14 @@ class RigParameter:
     def tolerance(self) -> float:
         """The standard deviation as a share of the value."""
         return self.std / self.value
+
+    def deviations(self, value: float) -> float:
+        """How many standard deviations a value is away, counted in logarithms as the fit counts.
+
+        Args:
+            value: another one, positive like this.
+        """
+        return log(value / self.value) / self.tolerance
 
 
 class Rig(Part):

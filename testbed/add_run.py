@@ -53,7 +53,7 @@ def numbers_of(added: Added) -> Json:
             row.name: {
                 **estimate_json(row),
                 "given": given[row.name].value,
-                "sigmas": (float(np.max(row.value)) - given[row.name].value) / given[row.name].std,
+                "sigmas": given[row.name].deviations(float(np.max(row.value))),
             }
             for row in rig_estimates(added.fit)
         },

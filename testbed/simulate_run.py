@@ -3,7 +3,8 @@
 import hashlib
 import json
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
+from contextlib import nullcontext
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
@@ -57,7 +58,7 @@ class Order:
         return hashlib.sha256(repr(asked).encode()).hexdigest()
 
 
-def run_experiment(order: Order, out: Path, *, jobs: int, progress: Progress) -> Json:
+def run_experiment(order: Order, out: Path, *, jobs: int, progress: Progress, pool: Executor | None = None) -> Json:
     """Carry out an experiment, each record written as it is done; records that are there already are kept.
 
     Args:
@@ -65,6 +66,7 @@ def run_experiment(order: Order, out: Path, *, jobs: int, progress: Progress) ->
         out: folder of the results.
         jobs: processes.
         progress: told what is being done.
+        pool: processes that several experiments share, or None.
 
     Returns:
         the content of ``simulation.json``.
@@ -75,12 +77,13 @@ def run_experiment(order: Order, out: Path, *, jobs: int, progress: Progress) ->
     """
     rig, experiment = read_rig(order.rig_path), read_experiment(order.experiment_path)
     runs, laboratory = runs_of(experiment, rig), laboratory_of(experiment, rig)
-    simulator(order.simulator).check(laboratory.plant(), order.resolution)
+    for run in runs:
+        simulator(order.simulator).check(laboratory.plant(), order.resolution, run.trial.angle)
     known = _known(out, order)
     todo = [number for number, run in enumerate(runs) if run.name not in known]
     if len(todo) < len(runs):
         progress(f"{len(runs) - len(todo)} of {len(runs)} records were there already; kept")
-    for done, (number, row) in enumerate(_carried_out(order, todo, out, jobs), start=1):
+    for done, (number, row) in enumerate(_carried_out(order, todo, out, jobs, pool), start=1):
         known[runs[number].name] = row
         with staged(out) as stage:
             content = _content(order, [known[run.name] for run in runs if run.name in known])
@@ -114,12 +117,19 @@ def _content(order: Order, rows: Sequence[Json]) -> Json:
     }
 
 
-def _carried_out(order: Order, todo: Sequence[int], out: Path, jobs: int) -> Iterator[tuple[int, Json]]:
-    """Number and row of each run as it is done, in this process where there is one only."""
-    if jobs == 1 or len(todo) < 2:
+def processes(jobs: int) -> ProcessPoolExecutor:
+    """A pool of processes that begin afresh, for simulators that do not like to be forked."""
+    return ProcessPoolExecutor(jobs, mp_context=get_context("spawn"))
+
+
+def _carried_out(
+    order: Order, todo: Sequence[int], out: Path, jobs: int, shared: Executor | None
+) -> Iterator[tuple[int, Json]]:
+    """Number and row of each run as it is done, in this process where there is one only and no pool."""
+    if shared is None and (jobs == 1 or len(todo) < 2):
         yield from ((number, one_run(order, number, out)) for number in todo)
         return
-    with ProcessPoolExecutor(min(jobs, len(todo)), mp_context=get_context("spawn")) as pool:
+    with nullcontext(shared) if shared else processes(min(jobs, len(todo))) as pool:
         running = {pool.submit(one_run, order, number, out): number for number in todo}
         for future in as_completed(running):
             yield running[future], future.result()
@@ -175,6 +185,9 @@ def _truth(laboratory: Laboratory, experiment: Experiment, order: Order) -> toml
     document.add(tomlkit.comment("What these records were made with. No command but this one's author reads it."))
     document.add("simulator", tomlkit.item(order.simulator))
     document.add("seed", tomlkit.item(experiment.seed))
+    if order.resolution.spatial:
+        document.add("spatial", tomlkit.item(value=True))
+        document.add("angle", tomlkit.item(getattr(experiment.excitation, "angle", 0.0)))
     numbers = {p.path: float(f"{p.value:.8g}") for p in laboratory.built.parameters()}
     document.add("parameters", tomlkit.item(numbers))
     places = {s.name: s.position for s in laboratory.built.sensors if s.position is not None}

@@ -2,9 +2,8 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from math import hypot
 
-from models.point_forces import PointForce, closed_part
+from models.point_forces import PointForce, about_centre, closed_part
 
 ITERATIONS = 12
 NUDGE = 1e-6
@@ -118,12 +117,13 @@ class RoundLaw:
             place: in the plane and across it, m.
             speed: likewise, m/s.
         """
-        u, w = place[0] - self._offset, place[1]
-        r, moved = hypot(u, w), hypot(*speed)
-        up, aside = (u / r, w / r) if r > 0.0 else (speed[0] / moved, speed[1] / moved) if moved > 0.0 else (1.0, 0.0)
-        force = self._radial(t, self._offset + r, speed[0] * up + speed[1] * aside)
-        self.felt[:] = [force * up, force * aside]
-        return force * up, force * aside
+        r, up, aside = about_centre(place[0] - self._offset, place[1], *speed)
+        at, around = self._offset + r, 0.0
+        force = self._radial(t, at, speed[0] * up + speed[1] * aside)
+        if self.force.bilateral:  # without a gap it is a bushing, whose dashpot acts around too
+            around = self._radial(t, at, speed[1] * up - speed[0] * aside) - self._radial(t, at, 0.0)
+        self.felt[:] = found = force * up - around * aside, force * aside + around * up
+        return found
 
 
 def _contact(force: PointForce, step: float) -> Callable[[float, float, float], float]:

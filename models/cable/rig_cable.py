@@ -104,4 +104,5 @@ class RigCable:
             for k, force in enumerate(self.forces)
             if force.port == port and force.partner is None
         ]
-        return plain + [k for i, law in enumerate(self.rounds) for k in (self.forces.index(law.force), n + i)]
+        first = n - len(self.rounds)  # contacts come last
+        return plain + [k for i in range(len(self.rounds)) for k in (first + i, n + i)]

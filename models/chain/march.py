@@ -13,13 +13,14 @@ from models.arrays import FloatArray, IntArray
 from models.chain.engine_call import call_engine
 from models.compiled import compiled
 from models.law_call import call_law
-from models.point_forces import BILATERAL, CLEARANCE, GROWTH, IS_CONTACT, OFFSET, Items, closed_part
+from models.point_forces import BILATERAL, CLEARANCE, GROWTH, IS_CONTACT, OFFSET, Items, about_centre, closed_part
 
 FINITE = 1e12
 """Angles and velocities beyond it count as lost."""
 
 
 part_closed = compiled(closed_part)
+centred = compiled(about_centre)
 
 
 class Engine(NamedTuple):
@@ -172,14 +173,13 @@ def round_force(
         v: dq/dt, m/s.
         w: dy/dt, m/s.
     """
-    u, up, aside = q - items.contact[j, OFFSET], 1.0, 0.0
-    r, speed = np.sqrt(u * u + y * y), np.sqrt(v * v + w * w)
-    if r > 0.0:
-        up, aside = u / r, y / r
-    elif speed > 0.0:
-        up, aside = v / speed, w / speed
-    force: float = contact_force(items, j, t, h, items.contact[j, OFFSET] + r, v * up + w * aside)
-    return force * up, force * aside
+    r, up, aside = centred(q - items.contact[j, OFFSET], y, v, w)
+    at = items.contact[j, OFFSET] + r
+    force: float = contact_force(items, j, t, h, at, v * up + w * aside)
+    around = 0.0
+    if items.contact[j, BILATERAL] > 0.0:  # without a gap it is a bushing, whose dashpot acts around too
+        around = contact_force(items, j, t, h, at, w * up - v * aside) - contact_force(items, j, t, h, at, 0.0)
+    return force * up - around * aside, force * aside + around * up
 
 
 @compiled

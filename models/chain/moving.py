@@ -52,7 +52,6 @@ def move_chain(
     mujoco.mj_forward(model, data)
     engine = engine_of(model, data)
     rows, place = np.zeros((len(seen.heights), len(seen.dof))), np.zeros(len(seen.heights))
-    in_space = any(force.partner is not None for force in chain.forces)
     place_rows(engine, seen, rows, place)
     at_rest = place[len(chain.ports) + 1 :].copy()
     if hold is not None:
@@ -73,7 +72,7 @@ def move_chain(
         read=np.empty((len(sensors), m)),
         motion=np.empty((len(chain.ports), m)),
         forces=np.empty((len(own), m)),
-        across=np.zeros((len(own) if in_space else 0, m)),
+        across=np.zeros((len(own) if chain.spatial else 0, m)),
         work=np.empty((3, m)),
         qpos=np.empty((m, model.nq)),
         qvel=np.empty((m, model.nv)),
@@ -134,7 +133,7 @@ def _accounted(chain: RigChain, log: Log, last: FloatArray, base: FloatArray, st
         shaken = -0.5 * (base[2, :-1] + base[2, 1:])
         supplied = supplied + _summed(step * shaken * (pieces @ carried))
     ways = (stored, supplied, log.work[1] + _summed(in_hinges), log.work[2])
-    across = log.across[len(log.across) - len(chain.plant.contacts) :] if len(log.across) else None
+    across = log.across[len(log.across) - len(chain.plant.contacts) :] if chain.spatial else None
     return Steps(log.read, log.motion, log.forces, EnergyBalance(*(way[::every] for way in ways)), across)
 
 

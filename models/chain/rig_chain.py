@@ -40,6 +40,7 @@ class RigChain:
         rows: (n_ports, n_dofs) motion of the ports by coordinate at rest.
         rest: (n_dofs,) coordinates at rest.
         port_rest: (n_ports,) place of the ports at rest, m.
+        spatial: whether it may leave the rig's plane.
     """
 
     plant: Plant
@@ -51,6 +52,7 @@ class RigChain:
     rows: FloatArray
     rest: FloatArray
     port_rest: FloatArray
+    spatial: bool
 
     @cached_property
     def mass(self) -> FloatArray:
@@ -69,9 +71,9 @@ class RigChain:
         for force in self.forces:
             if force.partner is not None and force.contact is not None:
                 # A round contact's force turns with the place: across it, its spring is force over radius.
-                at = self.port_rest[self.ports.index(force.port)]
-                if at != force.contact[1]:
-                    slope[self.ports.index(force.partner)] += force.at_rest(at) / (at - force.contact[1])
+                at, centre = self.port_rest[self.ports.index(force.port)], force.contact[1]
+                away = at - centre if at != centre else nudge
+                slope[self.ports.index(force.partner)] += force.at_rest(centre + away) / away
         return np.asarray(np.diag(spring_stiffness(self.model)) - (self.rows.T * slope) @ self.rows)
 
     def natural_freqs(self, n: int) -> FloatArray:
@@ -106,7 +108,7 @@ def build_chain(plant: Plant, n: int, settings: ChainSettings) -> RigChain:
         forces = round_contacts(forces)
     ports = ports_of(forces)
     rows, place = _settle(model, data, readings(model, plant, segments, ports), ports, forces)
-    return RigChain(plant, segments, model, data, ports, forces, rows, data.qpos.copy(), place)
+    return RigChain(plant, segments, model, data, ports, forces, rows, data.qpos.copy(), place, settings.spatial)
 
 
 def held_at(chain: RigChain, position: float, force: float) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Exudyn: the rig as planar ANCF cable elements, with generalised-alpha in time."""
+"""Exudyn: the rig as ANCF cable elements, with generalised-alpha in time."""
 
 from math import ceil, sqrt
 from typing import ClassVar

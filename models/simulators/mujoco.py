@@ -7,7 +7,7 @@ import numpy as np
 
 from models.arrays import FloatArray
 from models.band_limit import STOP_EDGE
-from models.chain.mjcf import ChainSettings, build_spec, is_stiff, to_xml
+from models.chain.mjcf import ChainSettings, build_spec, is_stiff, sway_of, to_xml
 from models.chain.moving import move_chain
 from models.chain.native_contact import cannot_stop
 from models.chain.rig_chain import RigChain, build_chain
@@ -130,7 +130,9 @@ def largest_step(chain: RigChain) -> float:
     tangent, clamp = chain.tangent, chain.plant.structure.clamp_stiffness
     if is_stiff(clamp, chain.plant.structure, chain.segments):
         tangent = tangent.copy()
-        tangent[0, 0] -= clamp  # it cannot make the step unstable
+        for joint in ("clamp", sway_of("clamp")) if chain.spatial else ("clamp",):
+            dof = chain.model.joint(joint).dofadr[0]
+            tangent[dof, dof] -= clamp  # it cannot make the step unstable
     highest = sqrt(float(np.linalg.eigvals(np.linalg.solve(chain.mass, tangent)).real.max()))
     steps = [STABLE / highest]
     for contact in chain.plant.contacts:

@@ -34,7 +34,7 @@ class Trial:
         fs: rate of the record, Hz.
         excitation: (N,) true excitation in the SI unit of the rig's excitation, band-limited between the samples.
         position: where the force acts, m from the clamp, if it is not where the rig says.
-        angle: of the force about the beam's axis from the rig's plane, rad; it acts in the plane where this is 0.
+        angle: of the force about the beam's axis, rad, from upwards to the right as seen from the free end.
         hold: what deflects the rig before the first sample, or None.
         free: the record's own parameters of effects that have some (a phase), by name.
     """
@@ -98,7 +98,7 @@ class EnergyBalance:
 
 @dataclass(frozen=True, eq=False)
 class Across:
-    """What happens in the sleeves at right angles to the rig's plane.
+    """What happens in the sleeves at right angles to the rig's plane, positive to the right as seen from the free end.
 
     Attributes:
         places: (n_contacts, M) m.
@@ -143,18 +143,14 @@ def beam_limits(plant: Plant, resolution: Resolution) -> tuple[str, ...]:
         "a local loss of stiffness": bool(structure.hinges),
         "one loss factor for all modes": structure.loss_factor is not None,
         "a law on curvature": any(law.port.derivative > 1 for law in plant.laws),
-        **{f"{kind}, a law of the gap in the plane, in space": resolution.spatial for kind in _kinds_in_gaps(plant)},
+        "an absorber in space": resolution.spatial and bool(structure.absorbers),
+        **{f"{law.owner}, a law that knows the rig's plane only, in space": resolution.spatial for law in plant.laws},
     }
     return tuple(words for words, present in asked.items() if present)
 
 
 def _is_pushed(plant: Plant) -> bool:
     return plant.excitation is not None and plant.excitation.quantity == "force"
-
-
-def _kinds_in_gaps(plant: Plant) -> list[str]:
-    """Labels of the effects whose force depends on the beam's place in its gap."""
-    return [e.label() for e in plant.effects if e.places == ("sleeve",) and e.family == "point force"]
 
 
 class Simulator(ABC):
@@ -192,25 +188,26 @@ class Simulator(ABC):
             InputError: the plant has something that this simulator cannot carry, or no state at rest.
             DivergenceError: the engine lost the motion.
         """
-        self.check(plant, resolution)
-        if trial.angle and not (resolution.spatial and _is_pushed(plant)):
-            raise InputError(
-                f"angle = {degrees(trial.angle):g} degrees",
-                "a force out of the rig's plane bends a beam that may leave it; a base moves in the plane",
-                "ask for motion in space (--spatial), or leave the angle out",
-            )
+        self.check(plant, resolution, trial.angle)
         return self.carry_out(plant, trial, resolution)
 
-    def check(self, plant: Plant, resolution: Resolution) -> None:
+    def check(self, plant: Plant, resolution: Resolution, angle: float = 0.0) -> None:
         """Refuse what this simulator cannot carry, by name.
 
         Args:
             plant: the rig with its effects.
             resolution: what is asked for.
+            angle: of the trial's force, rad.
 
         Raises:
             InputError: the first thing.
         """
+        if angle and not (resolution.spatial and _is_pushed(plant)):
+            raise InputError(
+                f"angle = {degrees(angle):g} degrees",
+                "a force out of the rig's plane bends a beam that may leave it; a base moves in the plane",
+                "ask for motion in space (--spatial), or leave the angle out",
+            )
         missing = self.cannot_carry(plant, resolution)
         if missing:
             raise InputError(

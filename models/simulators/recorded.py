@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import degrees
 
 import numpy as np
 
@@ -75,9 +76,14 @@ def recorded(
         places=place,
         gaps=np.array(gaps).reshape(place.shape),
         energy=steps.energy,
-        choices=choices,
+        choices=choices if steps.across is None else (IN_SPACE.format(degrees(trial.angle)), *choices),
         across=None if steps.across is None else Across(aside, steps.across),
     )
+
+
+IN_SPACE = (
+    "in space, in round sleeves; sensors, springs and dashpots at points in the rig's plane, the force at {:g} degrees"
+)
 
 
 def rate_of(place: FloatArray, fs: float) -> FloatArray:

@@ -58,15 +58,15 @@ def _shipped() -> list[Path]:
 def _simulated(using: str, folder: Path, jobs: int) -> list[Path]:
     """Records of the demonstration's experiments by a simulator, made anew unless they are there."""
     from models.simulators.protocol import Resolution
-    from testbed.simulate_run import Order, run_experiment
+    from testbed.simulate_run import Order, processes, run_experiment
 
     with progress() as tell:
 
         def made(experiment: str) -> list[Path]:
             order = Order(DEMO / "rig.toml", DEMO / f"{experiment}.toml", using, Resolution(), ".uff")
             tell(f"a virtual test by {using}: {experiment}")
-            content = run_experiment(order, folder / experiment, jobs=jobs, progress=tell)
+            content = run_experiment(order, folder / experiment, jobs=jobs, progress=tell, pool=pool)
             return [folder / experiment / row["record"] for row in content["records"]]
 
-        with ThreadPoolExecutor(min(jobs, len(EXPERIMENTS))) as pool:
-            return [path for paths in pool.map(made, EXPERIMENTS) for path in paths]
+        with processes(jobs) as pool, ThreadPoolExecutor(len(EXPERIMENTS)) as side_by_side:
+            return [path for paths in side_by_side.map(made, EXPERIMENTS) for path in paths]

@@ -20,9 +20,12 @@ def film(
     first: Annotated[
         float | None, typer.Option("--from", min=0.0, metavar="S", help="Start; about the hardest push unless given.")
     ] = None,
-    last: Annotated[float | None, typer.Option("--to", min=0.0, metavar="S", help="End.")] = None,
+    last: Annotated[
+        float | None,
+        typer.Option("--to", min=0.0, metavar="S", help="End; six periods after the start unless given."),
+    ] = None,
     magnified: Annotated[
-        float | None, typer.Option("--magnify", min=1.0, metavar="N", help="Of deflections in the GLB.")
+        float | None, typer.Option("--magnify", min=0.01, metavar="N", help="Of deflections in the GLB.")
     ] = None,
     out: Out = None,
     as_json: AsJson = False,

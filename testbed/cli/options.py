@@ -11,7 +11,8 @@ Records = Annotated[
     typer.Argument(metavar="RECORD", help="Records: .uff .unv .csv .mat .h5 .hdf5 .npz.", show_default=False),
 ]
 Out = Annotated[
-    Path | None, typer.Option("--out", metavar="DIR", help="Folder of the results; by default results/<rig's name>.")
+    Path | None,
+    typer.Option("--out", metavar="DIR", help="Folder of the results; by default results/<name of the first file>."),
 ]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of every random choice.")]
 Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Threads.")]

@@ -29,7 +29,8 @@ def contact_figure(motion: Motion, plant: Plant, title: str) -> Figure:
         _draw(ax, time, 1e3 * place[part], force[part], 1e3 * contact.clearance, 1e3 * contact.offset)
         ax.set_title(f"{contact.sleeve}, {contact.position:.3g} m", loc="left", fontsize=10)
     axes[-1].set_xlabel("time [s]")
-    figure.suptitle(f"{title}: in the sleeves about the largest force", fontsize=11)
+    plane = "" if motion.across is None else ", in the rig's plane"
+    figure.suptitle(f"{title}: in the sleeves about the largest force{plane}", fontsize=11)
     return figure
 
 
@@ -58,7 +59,7 @@ def orbit_figure(motion: Motion, plant: Plant, title: str) -> Figure:
         ax.set_xlabel("across the plane [mm]")
         ax.set_ylabel("in the plane [mm]")
         ax.grid(color="0.93")
-    figure.suptitle(f"{title}: the beam's axis in its gaps", fontsize=11)
+    figure.suptitle(f"{title}: the beam's axis in its gaps, seen from the free end", fontsize=11)
     return figure
 
 
@@ -69,7 +70,8 @@ PIECES = 24
 def _about_the_peak(motion: Motion) -> slice:
     """The samples of ``WINDOW`` seconds about the largest force."""
     n, half = motion.gaps.shape[1], round(0.5 * WINDOW * motion.fs)
-    peak = int(np.argmax(np.abs(motion.contact_forces).max(axis=0)))
+    pushes = motion.contact_forces if motion.across is None else np.hypot(motion.contact_forces, motion.across.forces)
+    peak = int(np.argmax(np.abs(pushes).max(axis=0)))
     first = max(0, min(peak - half, n - 2 * half))
     return slice(first, min(n, first + 2 * half))
 

@@ -1,7 +1,6 @@
-"""Frames of a moving rig: the beam between the walls of its sleeves, and the forces there up to that moment."""
+"""Frames of a moving rig: the beam between the walls of its sleeves, and the forces there."""
 
 from collections.abc import Iterator
-from math import floor, log10
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
 
-from models.arrays import FloatArray
 from models.ports import Contact
 from testbed.film.take import Take
 
@@ -24,21 +22,6 @@ HALF_SLEEVE = 0.012
 
 WALL_SHARE = 0.06
 """Drawn thickness of a sleeve's wall, as a share of the height shown."""
-
-SHARE_OF_LENGTH = 0.12
-"""Of the beam's length, to which its largest deflection is magnified where nobody chose a factor."""
-
-
-def magnification(deflection: FloatArray, length: float) -> float:
-    """A round factor that makes a deflection plain to see beside the length of the beam.
-
-    Args:
-        deflection: m, of any shape.
-        length: m.
-    """
-    wanted = SHARE_OF_LENGTH * length / max(float(np.abs(deflection).max()), 1e-12)
-    decade = 10.0 ** floor(log10(wanted))
-    return float(max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= wanted))
 
 
 def frames(take: Take, n: int, title: str) -> Iterator[Image.Image]:

@@ -4,6 +4,7 @@ Source: Khronos, glTF 2.0 specification, sections 3.11 (animations) and 5 (prope
 """
 
 from collections import OrderedDict
+from math import floor, log10
 from typing import Any
 
 import numpy as np
@@ -16,9 +17,27 @@ from models.chain.sleeve_mesh import sleeve_mesh
 from testbed.film.take import Take
 
 FLOAT, SCALAR, ARRAY = 5126, "SCALAR", {3: "VEC3", 4: "VEC4"}
-STEEL, BRASS = (0.45, 0.5, 0.56, 1.0), (0.8, 0.55, 0.2, 0.45)
+STEEL, BRASS, STONE = (0.25, 0.4, 0.65, 1.0), (0.8, 0.55, 0.2, 0.45), (0.5, 0.5, 0.5, 1.0)
+METALLIC, ROUGH = 0.1, 0.6
+"""Of all surfaces: full metal, the format's default, is black where a viewer has no surroundings to mirror."""
+
 RADIUS = 0.006
 """Drawn radius of the beam, as a share of its length: a magnified gap has no true size beside a true radius."""
+
+SHARE_OF_LENGTH = 0.12
+"""Of the beam's length, to which its largest deflection is magnified where nobody chose a factor."""
+
+
+def magnification(deflection: FloatArray, length: float) -> float:
+    """A round factor that makes a deflection plain to see beside the length of the beam.
+
+    Args:
+        deflection: m, of any shape.
+        length: m.
+    """
+    wanted = SHARE_OF_LENGTH * length / max(float(np.abs(deflection).max()), 1e-12)
+    decade = 10.0 ** floor(log10(wanted))
+    return float(max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= wanted))
 
 
 def moving_glb(take: Take, n: int, seconds: float, magnified: float) -> bytes:
@@ -32,7 +51,7 @@ def moving_glb(take: Take, n: int, seconds: float, magnified: float) -> bytes:
     """
     _, shapes = take.frames(n)
     keys = [_pose(take.x, magnified * shape) for shape in shapes]
-    names = [f"stretch {i + 1}" for i in range(len(take.x) - 1)]
+    names = [f"stretch {i + 1} (beam)" for i in range(len(take.x) - 1)]
     channels = {
         name: {
             "translation": np.array([place[i] for place, _, _ in keys]),
@@ -47,7 +66,7 @@ def moving_glb(take: Take, n: int, seconds: float, magnified: float) -> bytes:
     def animate(buffers: OrderedDict[Any, bytes], tree: dict[str, Any]) -> None:
         _animate(buffers, tree, clock, channels)
 
-    return bytes(trimesh.exchange.gltf.export_glb(scene, buffer_postprocessor=animate))
+    return bytes(trimesh.exchange.gltf.export_glb(scene, include_normals=True, buffer_postprocessor=animate))
 
 
 def _pose(x: FloatArray, height: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -63,20 +82,28 @@ def _scene(take: Take, names: list[str], magnified: float) -> Any:
     length = take.plant.structure.length
     radius = RADIUS * length
     rod = trimesh.creation.cylinder(radius=radius, segment=[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]], sections=24)
-    rod.visual = trimesh.visual.TextureVisuals(material=PBRMaterial(baseColorFactor=STEEL, metallicFactor=0.6))
+    rod.visual = _surface(STEEL)
     scene = trimesh.Scene()
     scene.geometry["beam"] = rod
     for name in names:
         scene.graph.update(frame_to=name, matrix=np.eye(4), geometry="beam")
     wall = trimesh.creation.box(extents=(0.02 * length, 0.12 * length, 0.12 * length))
-    scene.add_geometry(wall.apply_translation((-0.01 * length, 0.0, 0.0)), node_name="clamp", geom_name="clamp")
-    brass = PBRMaterial(baseColorFactor=BRASS, alphaMode="BLEND", doubleSided=True)
+    wall.visual = _surface(STONE)
+    scene.add_geometry(wall.apply_translation((-0.01 * length, 0.0, 0.0)), node_name=CLAMP, geom_name=CLAMP)
     for contact in take.plant.contacts:
         ring = sleeve_mesh(radius + magnified * contact.clearance, wall=radius, width=4.0 * radius)
-        ring.visual = trimesh.visual.TextureVisuals(material=brass)
+        ring.visual = _surface(BRASS, alphaMode="BLEND", doubleSided=True)
         place = translation_matrix((contact.position or 0.0, magnified * contact.offset, 0.0))
         scene.add_geometry(ring, node_name=contact.sleeve, geom_name=contact.sleeve, transform=place)
     return scene
+
+
+CLAMP = "clamp (wall)"
+
+
+def _surface(colour: tuple[float, ...], **more: Any) -> Any:
+    material = PBRMaterial(baseColorFactor=colour, metallicFactor=METALLIC, roughnessFactor=ROUGH, **more)
+    return trimesh.visual.TextureVisuals(material=material)
 
 
 def _animate(
@@ -91,8 +118,10 @@ def _animate(
     samplers: list[dict[str, Any]] = []
     targets: list[dict[str, Any]] = []
     for name, paths in channels.items():
-        tree["nodes"][numbers[name]].pop("matrix", None)  # what moves has no matrix
+        node = tree["nodes"][numbers[name]]
+        node.pop("matrix", None)  # what moves has no matrix, but a pose for where nobody plays it
         for path, values in paths.items():
+            node[path] = values[0].tolist()
             targets.append({"sampler": len(samplers), "target": {"node": numbers[name], "path": path}})
             samplers.append({"input": time, "output": _add(buffers, tree, values), "interpolation": "LINEAR"})
     tree["animations"] = [{"name": "motion", "samplers": samplers, "channels": targets}]

@@ -12,10 +12,11 @@ from models.plant import Plant, build_plant
 from models.record import Record
 from models.rig import Rig
 from models.rig_file import read_rig
+from models.simulators import simulator
 from models.simulators.protocol import Resolution, Trial
-from testbed.figures.film import frames, magnification
-from testbed.film.glb import moving_glb
-from testbed.film.take import Stretch, Take, stretch_that_matters, take
+from testbed.figures.film import frames
+from testbed.film.glb import magnification, moving_glb
+from testbed.film.take import Stretch, Take, length_of_stretch, stretch_that_matters, take
 from testbed.outputs import json_text, staged
 from testbed.records.read import read_record
 from testbed.virtual.campaign import runs_of
@@ -60,7 +61,8 @@ def film(order: Order, out: Path, progress: Progress) -> dict[str, Any]:
         the content of ``film.json``.
 
     Raises:
-        InputError: an oscillator, a record that does not say what drove the rig, or a stretch that it does not have.
+        InputError: an oscillator, a record that does not say what drove the rig from rest on, what the simulator cannot
+            carry, or a stretch that the record does not have.
         DivergenceError: the motion was lost.
     """
     rig = read_rig(order.rig_path)
@@ -69,6 +71,7 @@ def film(order: Order, out: Path, progress: Progress) -> dict[str, Any]:
         raise InputError(
             f"{order.rig_path.name}: structure.kind = 'oscillator'", "a film shows how a beam bends", "film a beam"
         )
+    simulator(order.simulator).check(plant, Resolution())
     stretch = _stretch(order, plant, trial)
     progress(f"{order.simulator}: moving the rig up to {stretch.last:.4g} s")
     taken, motion = take(plant, trial, stretch, order.simulator, Resolution())
@@ -97,14 +100,22 @@ def _acted(path: Path, rig: Rig) -> tuple[Plant, Trial, str]:
     """What moves, what is done to it, and how the film is called."""
     if path.suffix == ".toml":
         experiment = read_experiment(path)
-        run = runs_of(experiment, rig)[0]
-        return laboratory_of(experiment, rig).plant(), run.trial, run.name
+        run, laboratory = runs_of(experiment, rig)[0], laboratory_of(experiment, rig)
+        if run.trial.angle:
+            raise InputError(f"{path.name}: excitation.angle", "a film shows the rig's plane", "leave the angle out")
+        return laboratory.plant(), laboratory.trial_of(run, laboratory.dice_of(0)), run.name
     record, plant = read_record(path, rig), build_plant(rig)
     if not isinstance(record, Record) or record.excitation is None:
         raise InputError(
             f"{path.name}: no channel of the excitation over time",
             "a film moves the rig by what drove it",
             "name a time record with its excitation, or the experiment that it is of",
+        )
+    if record.moving_start:
+        raise InputError(
+            f"{path.name}: it begins in motion",
+            "a film begins at rest",
+            "film a record whose first samples are at rest",
         )
     excitation = record.excitation
     for effect in plant.effects:
@@ -116,7 +127,8 @@ def _stretch(order: Order, plant: Plant, trial: Trial) -> Stretch:
     whole = trial.n_samples / trial.fs
     if order.first is None and order.last is None:
         return stretch_that_matters(plant, trial)
-    stretch = Stretch(order.first or 0.0, whole if order.last is None else order.last)
+    first = order.first or 0.0
+    stretch = Stretch(first, min(whole, first + length_of_stretch(plant)) if order.last is None else order.last)
     if not 0.0 <= stretch.first < stretch.last <= whole or (stretch.last - stretch.first) * trial.fs < LEAST_SAMPLES:
         raise InputError(
             f"--from {stretch.first:g} --to {stretch.last:g}",

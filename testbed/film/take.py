@@ -83,9 +83,14 @@ def stretch_that_matters(plant: Plant, trial: Trial) -> Stretch:
         peak = float(np.argmax(forces.max(axis=0)) / motion.fs)
     else:
         peak = float(np.argmax(np.abs(motion.channels).max(axis=0)) / trial.fs)
-    length = min(PERIODS / float(modal.natural_freqs(plant, 1, Resolution())[0]), trial.n_samples / trial.fs)
+    length = min(length_of_stretch(plant), trial.n_samples / trial.fs)
     first = min(max(0.0, peak - BEFORE * length), trial.n_samples / trial.fs - length)
     return Stretch(first, first + length)
+
+
+def length_of_stretch(plant: Plant) -> float:
+    """Seconds of a stretch that nobody chose."""
+    return PERIODS / float(simulator("modal").natural_freqs(plant, 1, Resolution())[0])
 
 
 def take(plant: Plant, trial: Trial, stretch: Stretch, name: str, resolution: Resolution) -> tuple[Take, Motion]:

@@ -78,13 +78,13 @@ def rig_pulls(estimates: Sequence[Estimate], rig: Rig) -> Pulls:
     """The rig's calibrated numbers; those the rig does not tolerance are left out."""
     given = {parameter.path: parameter for parameter in rig.parameters()}
     known = [(estimate, given[estimate.name]) for estimate in estimates if estimate.name in given]
-    pulls = np.array([(float(np.mean(e.value)) - p.value) / p.std for e, p in known])
-    stds = np.array([float(np.mean(e.std)) / p.std for e, p in known])
+    pulls = np.array([p.deviations(float(np.mean(e.value))) for e, p in known])
+    stds = np.array([float(np.mean(e.std)) / (p.tolerance * float(np.mean(e.value))) for e, p in known])
     rows: list[Row] = [
         {
             "label": parameter.label,
             "given": f"{number(parameter.value)} {parameter.unit}",
-            "tolerance": percent(parameter.std / abs(parameter.value)),
+            "tolerance": percent(parameter.tolerance),
             "calibrated": with_std(estimate),
             "pull": f"{pull:+.2f} ± {std:.2f}",
         }

@@ -15,7 +15,7 @@ from models.plant import Plant, build_plant
 from models.record import Record
 from models.rig import Beam, Rig
 from models.simulators import simulator
-from models.simulators.protocol import Motion, Resolution
+from models.simulators.protocol import Motion, Resolution, Trial
 from testbed.virtual.as_built import perturbed
 from testbed.virtual.bought import Bought, bought
 from testbed.virtual.campaign import Run, excitation_seen
@@ -46,6 +46,14 @@ class Laboratory:
     def plant(self) -> Plant:
         """What moves."""
         return build_plant(self.built, self.hidden)
+
+    def dice_of(self, number: int) -> np.random.Generator:
+        """What is left to chance in the run with this number."""
+        return np.random.default_rng([self.seed, 2, number])
+
+    def trial_of(self, run: Run, rng: np.random.Generator) -> Trial:
+        """What is done in a run, with what every record has for itself drawn."""
+        return replace(run.trial, free=drawn(self.plant(), rng))
 
 
 def laboratory_of(experiment: Experiment, rig: Rig) -> Laboratory:
@@ -107,8 +115,8 @@ def carry_out(
         InputError: something that the simulator cannot carry.
         DivergenceError: the motion was lost.
     """
-    rng, plant = np.random.default_rng([laboratory.seed, 2, number]), laboratory.plant()
-    trial = replace(run.trial, free=drawn(plant, rng))
+    rng, plant = laboratory.dice_of(number), laboratory.plant()
+    trial = laboratory.trial_of(run, rng)
     motion = simulator(name).run(plant, trial, resolution)
     fs = trial.fs
     seen = excitation_seen(run, motion.channels)

@@ -9,7 +9,7 @@ from PIL import Image
 
 from models.rig_file import read_rig
 from testbed.cli.app import main
-from testbed.figures.film import magnification
+from testbed.film.glb import magnification
 from testbed.film.run import FRAMES
 
 
@@ -44,6 +44,31 @@ def test_a_stretch_outside_of_the_record_is_refused(folder, capsys):
     assert "--from 5 --to 4" in message
     assert "within it" in message
     assert film(folder, "sweep.csv", "--to", "1e-4") == 2
+
+
+def test_a_record_that_begins_in_motion_is_refused(folder, capsys):
+    text = (folder / "sweep.csv").read_text().splitlines()
+    head = next(i for i, line in enumerate(text) if line.startswith("time"))
+    (folder / "late.csv").write_text("\n".join([*text[: head + 1], *text[head + 400 :]]))
+    assert film(folder, "late.csv") == 2
+    assert "it begins in motion" in capsys.readouterr().err
+
+
+def test_an_experiment_is_filmed_about_its_hardest_push_and_not_out_of_its_plane(folder, capsys):
+    (folder / "pull.toml").write_text(PULL)
+    assert film(folder, "pull.toml", "--json") == 0
+    content = json.loads(capsys.readouterr().out)
+    assert content["files"] == ["sweep_1.gif", "sweep_1.glb"]
+    assert 0.0 <= content["first"] < content["last"] <= 0.5
+    (folder / "turned.toml").write_text(PULL + "angle = 20.0\n")
+    assert film(folder, "turned.toml") == 2
+    assert "a film shows the rig's plane" in capsys.readouterr().err
+
+
+def test_only_a_start_shows_six_periods_from_there(folder, capsys):
+    assert film(folder, "sweep.csv", "--from", "0.1", "--json") == 0
+    content = json.loads(capsys.readouterr().out)
+    assert (content["first"], content["last"] > 0.1) == (0.1, True)
 
 
 def test_what_does_not_say_what_drove_the_rig_is_refused(folder, capsys):

@@ -2,12 +2,14 @@
 
 import json
 import tomllib
+from copy import copy
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from models.effects import EFFECTS, build_effect
+from models.errors import InputError
 from models.rig import EffectEntry
 from models.rig_file import read_rig
 from testbed.cli.app import main
@@ -116,3 +118,18 @@ def test_a_sensor_that_the_rig_does_not_have_is_told(tmp_path, capsys):
     (tmp_path / "test.toml").write_text('[excitation]\nkind = "sweep"\n[sensors.P9]\nmass = 0.1\n')
     assert main(["simulate", str(RIG), str(tmp_path / "test.toml"), "--out", str(tmp_path / "out")]) == 2
     assert "sensors.P9; the rig's sensors are P1" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_a_force_out_of_the_plane_asks_for_space_in_one_message(folder, capsys, jobs):
+    (folder / "angled.toml").write_text(EXPERIMENT.replace("[sensors.all]", "angle = 20.0\n[sensors.all]"))
+    arguments = ["simulate", str(RIG), str(folder / "angled.toml"), "--with", "mujoco", "--jobs", jobs]
+    assert main([*arguments, "--out", str(folder / "angled")]) == 2
+    message = capsys.readouterr().err
+    assert "angle = 20 degrees" in message
+    assert "--spatial" in message
+
+
+def test_an_error_comes_whole_out_of_another_process():
+    error = copy(InputError("given", "expected", "mend"))  # by its parts, as processes hand errors over
+    assert (str(error), error.mend) == ("given; expected; mend", "mend")

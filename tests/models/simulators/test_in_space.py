@@ -7,11 +7,15 @@ import numpy as np
 import pytest
 from simulator_scenes import FS, REFERENCE, noise
 
+from models.chain.mjcf import ChainSettings
+from models.chain.rig_chain import build_chain
 from models.errors import InputError
 from models.plant import build_plant
 from models.rig import EffectEntry
 from models.simulators import simulator
+from models.simulators.mujoco import largest_step
 from models.simulators.protocol import Resolution, Trial
+from models.structure import Absorber
 
 ENGINES = ("mujoco", "exudyn")
 SPACE, PLANE = Resolution(spatial=True), Resolution()
@@ -91,6 +95,53 @@ def test_a_beam_on_the_bottom_of_a_round_sleeve_swings_across_it():
     assert free[0] == pytest.approx(free[1], rel=1e-3)
 
 
+@pytest.mark.parametrize("gravity", [0.0, 9.81])
+def test_a_sleeve_without_a_gap_is_a_bushing(gravity):
+    """As stiff across as in the plane, also where the beam sits at its centre, and damped alike in all directions."""
+    plant = replace(
+        PLANT,
+        structure=replace(PLANT.structure, gravity=gravity),
+        contacts=tuple(replace(contact, clearance=0.0) for contact in PLANT.contacts[1:]),
+    )
+    flat = simulator("mujoco").natural_freqs(plant, 2, PLANE)
+    for name in ENGINES:
+        assert simulator(name).natural_freqs(plant, 4, SPACE) == pytest.approx(np.repeat(flat, 2), rel=2e-3)
+    across = Trial(FS, FORCE, angle=radians(90.0))
+    upright = simulator("mujoco").run(replace(plant, structure=WEIGHTLESS.structure), Trial(FS, FORCE), PLANE)
+    for name in ENGINES:
+        lying = simulator(name).run(plant, across, SPACE)
+        every = lying.fs / upright.fs
+        own = np.arange(lying.places.shape[1]) / every
+        expected = np.interp(own, np.arange(upright.places.shape[1]), upright.places[0])
+        assert lying.across.places[0] == pytest.approx(expected, abs=0.02 * np.abs(expected).max())
+
+
+def test_two_sleeves_that_are_alike_push_alike():
+    twins = replace(PLANT, contacts=(PLANT.contacts[1], replace(PLANT.contacts[1], sleeve="its twin")))
+    for name in ENGINES:
+        motion = simulator(name).run(twins, Trial(FS, FORCE[:128], angle=ANGLE), SPACE)
+        assert motion.contact_forces[0] == pytest.approx(motion.contact_forces[1])
+        assert np.abs(motion.contact_forces).max() > 1.0
+
+
+def test_a_stiff_clamp_costs_no_shorter_step_in_space():
+    stiff = replace(PLANT, structure=replace(PLANT.structure, clamp_stiffness=1e7))
+    steps = [
+        largest_step(build_chain(stiff, 24, ChainSettings(1e-4, 0.0, rotary_inertia=False, spatial=spatial)))
+        for spatial in (False, True)
+    ]
+    assert steps[1] == pytest.approx(steps[0], rel=1e-6)
+
+
+def test_an_absorber_and_a_rig_without_sleeves():
+    hung = replace(PLANT, structure=replace(PLANT.structure, absorbers=(Absorber(1.2, 0.3, 20.0, 0.05),)))
+    for name in ENGINES:
+        with pytest.raises(InputError, match=f"{name}: an absorber in space"):
+            simulator(name).check(hung, SPACE)
+        bare = replace(PLANT, contacts=(), laws=())
+        assert simulator(name).run(bare, Trial(FS, FORCE[:64], angle=ANGLE), SPACE).across.places.shape[0] == 0
+
+
 def test_what_does_not_go_together_is_refused_by_name():
     trial = Trial(FS, FORCE[:64])
     with pytest.raises(InputError, match="modal: motion in space"):
@@ -99,11 +150,17 @@ def test_what_does_not_go_together_is_refused_by_name():
         simulator("mujoco").run(PLANT, Trial(FS, FORCE[:64], angle=ANGLE), PLANE)
     with pytest.raises(InputError, match="mujoco: native contact in space"):
         simulator("mujoco").run(PLANT, trial, Resolution(spatial=True, native_contact=True))
+    for effect in ({"kind": "hunt_crossley", "dissipation": 1.0}, {"kind": "gap_offset", "offset": 1e-5}):
+        entry = EffectEntry(sleeve="sleeve 2", **effect)
+        for name in ENGINES:
+            simulator(name).check(build_plant(REFERENCE.model_copy(update={"effects": (entry,)})), SPACE)
     film = build_plant(
         REFERENCE.model_copy(update={"effects": (EffectEntry(kind="squeeze_film", sleeve="sleeve 2", damping=2.0),)})
     )
     for name in ENGINES:
-        with pytest.raises(InputError, match=f"{name}: squeeze_film at sleeve 2, a law of the gap in the plane"):
+        with pytest.raises(
+            InputError, match=f"{name}: squeeze_film at sleeve 2, a law that knows the rig's plane only"
+        ):
             simulator(name).run(film, trial, SPACE)
         simulator(name).check(film, PLANE)
 

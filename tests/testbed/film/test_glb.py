@@ -60,17 +60,34 @@ def test_every_stretch_has_its_keys(parts):
 def test_stretches_begin_where_the_beam_is_and_reach_the_next_point(parts):
     _, shapes = TAKE.frames(N)
     for i in (0, 4, len(X) - 2):
-        time, place = keys_of(parts, f"stretch {i + 1}", "translation")
+        time, place = keys_of(parts, f"stretch {i + 1} (beam)", "translation")
         assert time == pytest.approx(np.linspace(0.0, SECONDS, N))
         assert place[:, 0] == pytest.approx(np.full(N, X[i]), abs=1e-6)
         assert place[:, 1] == pytest.approx(MAGNIFIED * shapes[:, i], abs=1e-6)
-        _, turn = keys_of(parts, f"stretch {i + 1}", "rotation")
-        _, scale = keys_of(parts, f"stretch {i + 1}", "scale")
+        _, turn = keys_of(parts, f"stretch {i + 1} (beam)", "rotation")
+        _, scale = keys_of(parts, f"stretch {i + 1} (beam)", "scale")
         assert np.linalg.norm(turn, axis=1) == pytest.approx(np.ones(N), abs=1e-6)
         angle = 2.0 * np.arctan2(turn[:, 2], turn[:, 3])
         end = place + scale[:, :1] * np.stack([np.cos(angle), np.sin(angle), np.zeros(N)], axis=1)
         assert end[:, 0] == pytest.approx(np.full(N, X[i + 1]), abs=1e-6)
         assert end[:, 1] == pytest.approx(MAGNIFIED * shapes[:, i + 1], abs=1e-6)
+
+
+def test_a_rig_that_nobody_plays_stands_as_it_begins(parts):
+    tree, _ = parts
+    for node in tree["nodes"]:
+        if "(beam)" in node.get("name", ""):
+            for path in ("translation", "rotation", "scale"):
+                assert node[path] == pytest.approx(keys_of(parts, node["name"], path)[1][0].tolist(), abs=1e-6)
+
+
+def test_surfaces_are_not_mirrors_and_have_normals(parts):
+    tree, _ = parts
+    assert all(m["pbrMetallicRoughness"]["metallicFactor"] < 0.5 for m in tree["materials"])
+    for mesh in tree["meshes"]:
+        (primitive,) = mesh["primitives"]
+        assert {"POSITION", "NORMAL"} <= set(primitive["attributes"])
+        assert "material" in primitive
 
 
 def test_keys_carry_their_range_as_the_format_asks(parts):

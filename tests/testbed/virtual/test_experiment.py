@@ -31,6 +31,7 @@ def test_every_kind_and_key_stands_in_the_docs():
         named = [key for key in part.model_fields if key not in ("kind", "angle")]
         assert all(f"`{key}`" in row or f"{key} of each" in row for key in named), kind
         assert ("angle" in part.model_fields) == (kind != "release")
+    assert "`angle`" in page
 
 
 @pytest.mark.parametrize(
