@@ -58,13 +58,15 @@ def beside(view: View, base: Fit, progress: Progress) -> list[Sketch]:
     """
     evaluator, there, registry = view.evaluator, view.there, view.registry
     plain = view.is_lasting or bool(evaluator.at_rest)  # FRFs have no beginning
-    start = there.hypothesis if plain or there.hypothesis.effects else put_back(there)
+    back = there.hypothesis if evaluator.at_rest or there.hypothesis.effects else put_back(there)
+    start = there.hypothesis if plain else back
     telling = None if plain else _telling(evaluator, start, base)
     if telling is None:
         seen = promising(screen(evaluator, there, registry, progress), PER_KIND, _distance(there))
         effects = [suspect.effect for suspect in first_of_each_kind(seen)[:MOST_LONG_SKETCHES]]
         progress(f"sketching {len(effects)} suspects on {evaluator.extent}")
-        return sketched_from_calibrated(evaluator, there, start, effects, registry, grown=not view.is_lasting)
+        starts = [start] if back is start or not view.is_lasting else [start, back]
+        return sketched_from_calibrated(evaluator, there, starts, effects, registry, lasting=view.is_lasting)
     (share, seconds), bare = telling
     seen = promising(survey(beginning(evaluator, share, seconds), bare, registry, progress), PER_KIND, _distance(there))
     progress(f"sketching {len(seen)} suspects on the beginning of the records, the best of them on {evaluator.extent}")

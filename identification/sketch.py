@@ -28,8 +28,8 @@ HEATS: tuple[Heat, ...] = ((0.02, 0.4, 14), (0.1, 0.75, 10))
 ITERATIONS_ALONE, ITERATIONS, TOLERANCE = 3, 5, 2e-2
 """Of the suspect by itself, while the rig's numbers are held, and then of all: else these are pulled away first."""
 
-ITERATIONS_TOGETHER = 8
-"""Of all at once, from numbers that are near."""
+ITERATIONS_TOGETHER, ITERATIONS_LASTING = 8, 20
+"""Of all at once, from numbers that are near; of the few kinds that act over the length of a record, more."""
 
 MOST_LONG_RIVALS = 4
 """Rivals fitted on whole records."""
@@ -235,7 +235,13 @@ def sketched(ground: Ground, suspects: Sequence[Hypothesis], *, near: bool = Fal
 
 
 def sketched_from_calibrated(
-    evaluator: Evaluator, there: Fit, start: Hypothesis, suspects: Sequence[Effect], registry: Registry, *, grown: bool
+    evaluator: Evaluator,
+    there: Fit,
+    starts: Sequence[Hypothesis],
+    suspects: Sequence[Effect],
+    registry: Registry,
+    *,
+    lasting: bool,
 ) -> list[Sketch]:
     """Each suspect, then the rivals of the best, fitted with all unknowns together on whole records; best first.
 
@@ -245,35 +251,42 @@ def sketched_from_calibrated(
     Args:
         evaluator: records to fit.
         there: the calibrated model on them.
-        start: that model, or where the fits are better begun.
+        starts: that model, or where the fits are better begun.
         suspects: effects at trial sizes.
         registry: kinds to try where the best of them sits.
-        grown: try that second start too.
+        lasting: they act over the length of a record: nothing of them grows from its beginning, and they are few, so
+            each is given more iterations.
     """
-    bare = there if start is there.hypothesis else fit(evaluator, start, there.unknowns, max_iterations=0)
-    projection = Projection(bare)
+    grounds = [
+        there if start is there.hypothesis else fit(evaluator, start, there.unknowns, max_iterations=0)
+        for start in starts
+    ]
+    iterations = ITERATIONS_LASTING if lasting else ITERATIONS_TOGETHER
     given = afresh(there.hypothesis)
     alone = evaluator.with_jobs(1)
-    windows = [beginning(alone, share, seconds) for share, seconds, _ in HEATS] if grown else []
+    windows = [] if lasting else [beginning(alone, share, seconds) for share, seconds, _ in HEATS]
     shorter = [fit(window, given, concerning(there, window), max_iterations=0) for window in windows]
 
     def one(suspect: Effect) -> Sketch | None:
         sizes = [suspect.scaled(factor) for factor in SIZES]
-        starts = [_best_size(alone, start, projection, sizes)]
-        if grown:
-            starts += _grown(windows, shorter, _best_size(windows[0], given, Projection(shorter[0]), sizes))
-        return _together(alone, there, starts, bare.jacobian)
+        begun = [_best_size(alone, ground.hypothesis, Projection(ground), sizes) for ground in grounds]
+        if not lasting:
+            begun += _grown(windows, shorter, _best_size(windows[0], given, Projection(shorter[0]), sizes))
+        return _together(alone, there, begun, grounds[0].jacobian, iterations)
 
     sketches = [sketch for sketch in in_parallel(evaluator.jobs, one, suspects) if sketch]
     others = rivals(evaluator, there, by_share(sketches), registry)[:MOST_LONG_RIVALS]
-    more = in_parallel(evaluator.jobs, lambda rival: _together(alone, there, [rival], bare.jacobian), others)
+    slopes = grounds[0].jacobian
+    more = in_parallel(evaluator.jobs, lambda rival: _together(alone, there, [rival], slopes, iterations), others)
     return by_share([*sketches, *(sketch for sketch in more if sketch)])
 
 
-def _together(evaluator: Evaluator, there: Fit, starts: Sequence[Hypothesis], slopes: FloatArray) -> Sketch | None:
+def _together(
+    evaluator: Evaluator, there: Fit, starts: Sequence[Hypothesis], slopes: FloatArray, iterations: int
+) -> Sketch | None:
     """The best sketch from some starts of one suspect, with all unknowns at once; None where all diverge."""
     unknowns = (*there.unknowns, *own_unknowns(starts[0]))
-    fits = [found for start in starts if (found := _tried(evaluator, start, unknowns, ITERATIONS_TOGETHER, slopes))]
+    fits = [found for start in starts if (found := _tried(evaluator, start, unknowns, iterations, slopes))]
     return Sketch(there, min(fits, key=lambda found: found.cost)) if fits else None
 
 

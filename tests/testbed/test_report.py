@@ -250,11 +250,13 @@ def test_the_page_shows_its_provenance_and_its_defaults(rig, diagnosis, tmp_path
 
 
 def test_calibrated_numbers_are_told_in_tolerances(rig):
-    found = rig_pulls((Estimate("sleeves[0].clearance", 1.545e-4, 0.9e-6, "m"), Estimate("unknown", 1.0, 1.0, "")), rig)
+    found = rig_pulls(
+        (Estimate("sleeves[0].clearance", 1.5e-4 * np.exp(0.03), 0.9e-6, "m"), Estimate("unknown", 1.0, 1.0, "")), rig
+    )
 
     assert found.labels == ["clearance of sleeve 1"]
     np.testing.assert_allclose(found.pulls, [1.0])  # 3 % of 0.15 mm
-    np.testing.assert_allclose(found.stds, [0.2])
+    np.testing.assert_allclose(found.stds, [0.2 / np.exp(0.03)])
 
 
 @pytest.mark.parametrize(
