@@ -53,9 +53,9 @@ def by_engine(name: str) -> Callable[[Record, int, int], FloatArray]:
 
 
 LADDERS = {
-    "modal": Ladder(by_modal, (8, 10, 12), (1, 2, 3, 4), (40, 64)),
-    "mujoco": Ladder(by_engine("mujoco"), (16, 20, 24, 28), (8, 10, 12, 14, 18, 24), (40, 64)),
-    "exudyn": Ladder(by_engine("exudyn"), (10, 12, 14, 16), (6, 8, 10, 14, 20), (32, 64)),
+    "modal": Ladder(by_modal, (5, 6, 7, 8, 10, 12), (1, 2, 3, 4), (40, 64)),
+    "mujoco": Ladder(by_engine("mujoco"), (14, 16, 18, 20, 24, 28), (6, 8, 10, 12, 14, 18, 24), (40, 64)),
+    "exudyn": Ladder(by_engine("exudyn"), (8, 10, 12, 14, 16), (6, 8, 10, 14, 20), (32, 64)),
 }
 WORDS = {"modal": "modes", "mujoco": "segments", "exudyn": "elements"}
 

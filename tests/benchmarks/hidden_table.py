@@ -24,7 +24,7 @@ def summarise(folder: Path) -> Json:
     nothing = [case for case in cases if case["kind"] == NOTHING]
     kinds = sorted({case["kind"] for case in hidden})
     summary: Json = {
-        "command": COMMAND,
+        "command": " and ".join(f"{COMMAND} --seed {seed}" for seed in sorted({case["seed"] for case in cases})),
         "cases": len(cases),
         "hidden": _row(hidden),
         f"hidden, calibrated error below {MANY:g} times the noise": _row([c for c in hidden if _ratio(c) < MANY]),
@@ -103,7 +103,7 @@ def _page(summary: Json) -> str:
     lines = [
         "# Hidden effects",
         "",
-        f"Written by `{COMMAND}`. Each case is another rig, a little off its drawing, simulated by the finite",
+        f"Written by `{summary['command']}`. Each case is another rig, a little off its drawing, simulated by the finite",
         "elements of `models/fine` with noise and, but for *nothing hidden*, one effect that the rig file lacks.",
         "*Right*: the effect added first is of the true kind and at the true place (within 5 % of the length, or in a",
         "group that the diagnosis calls indistinguishable); with nothing hidden, the verdict `complete`.",
