@@ -103,7 +103,9 @@ def _page(summary: Json) -> str:
     lines = [
         "# Hidden effects",
         "",
-        f"Written by `{summary['command']}`. Each case is another rig, a little off its drawing, simulated by the finite",
+        f"Written by `{summary['command']}`.",
+        "",
+        "Each case is another rig, a little off its drawing, simulated by the finite",
         "elements of `models/fine` with noise and, but for *nothing hidden*, one effect that the rig file lacks.",
         "*Right*: the effect added first is of the true kind and at the true place (within 5 % of the length, or in a",
         "group that the diagnosis calls indistinguishable); with nothing hidden, the verdict `complete`.",
