@@ -103,7 +103,7 @@ def _frf_picture(pairs: Sequence[FrfPair], models: Sequence[Stage], diagnosis: D
     rows = -(-len(chosen) // columns)
     height = FRF_HEIGHT * rows + FRF_MARGIN
     figure = Figure(figsize=(WIDTH, height))
-    edges = {"left": 0.055, "right": 0.995, "bottom": 0.45 / height, "top": 1.0 - 0.5 / height}
+    edges = {"left": 0.055, "right": 0.98, "bottom": 0.45 / height, "top": 1.0 - 0.5 / height}
     grid = figure.add_gridspec(rows, columns, hspace=0.42, wspace=0.11, **edges)
     for k, i in enumerate(chosen):
         cell = grid[k // columns, k % columns]
