@@ -85,6 +85,9 @@ def _effect_faults(rig: Rig, path: Path) -> Iterator[str]:
 SLENDER = (5.0, 1000.0)
 """Length over diameter of a beam that is neither a block nor a wire."""
 
+WIDEST = 0.5
+"""Clearance over diameter of a sleeve that still is one."""
+
 LARGEST_SAG = 0.1
 """Sag under the beam's own weight without sleeves, as a share of its length, up to which it bends by small angles."""
 
@@ -108,6 +111,12 @@ def _rig_doubts(rig: Rig) -> Iterator[str]:
             f"the beam would sag by {sag:.3g} m without its sleeves; the models are for small angles; are length, "
             "youngs_modulus (Pa) and density (kg/m^3) in SI units?"
         )
+    for sleeve in rig.sleeves:
+        if sleeve.clearance > WIDEST * beam.diameter:
+            yield (
+                f"{sleeve.name}: a clearance of {sleeve.clearance:g} m about a beam {beam.diameter:g} m thick; "
+                f"it is rarely more than {WIDEST:g} of that; is it in m?"
+            )
 
 
 def _rig_in_words(rig: Rig) -> str:

@@ -15,7 +15,9 @@ import tomlkit
 
 from identification.progress import Progress
 from models.effects import entry_of
+from models.errors import InputError
 from models.plant import Plant
+from models.rig import Rig
 from models.rig_file import read_rig
 from models.simulators import simulator
 from models.simulators.protocol import Motion, Resolution
@@ -79,6 +81,8 @@ def run_experiment(order: Order, out: Path, *, jobs: int, progress: Progress, po
     runs, laboratory = runs_of(experiment, rig), laboratory_of(experiment, rig)
     for run in runs:
         simulator(order.simulator).check(laboratory.plant(), order.resolution, run.trial.angle)
+        _check_format(run, rig, order.suffix)
+    _check_alone(out, order, runs)
     known = _known(out, order)
     todo = [number for number, run in enumerate(runs) if run.name not in known]
     if len(todo) < len(runs):
@@ -94,6 +98,33 @@ def run_experiment(order: Order, out: Path, *, jobs: int, progress: Progress, po
     with staged(out) as stage:
         (stage / TRUTH).write_text(tomlkit.dumps(_truth(laboratory, experiment, order)), encoding="utf-8")
     return _content(order, [known[run.name] for run in runs])
+
+
+def _check_format(run: Run, rig: Rig, suffix: str) -> None:
+    """Refuse, before anything moves, a place of the force that the records' format cannot tell."""
+    at = run.trial.position
+    if suffix == ".uff" and at is not None and not any(s.position == at and s.node is not None for s in rig.sensors):
+        raise InputError(
+            f"{run.name}: the force acts at {at:g} m, where no sensor has a node",
+            "a UFF file says by a node where a roving hammer strikes",
+            "write --format h5, or strike where a sensor with a node is",
+        )
+
+
+def _check_alone(out: Path, order: Order, runs: Sequence[Run]) -> None:
+    """Refuse a folder in which records of another experiment would be left beside this one's truth."""
+    try:
+        there = [row["record"] for row in json.loads((out / SIMULATION).read_text(encoding="utf-8"))["records"]]
+    except (OSError, ValueError, KeyError, TypeError):
+        return
+    ours = {f"{run.name}{order.suffix}" for run in runs}
+    left = [name for name in there if name not in ours and (out / name).is_file()]
+    if left:
+        raise InputError(
+            f"--out {out}: it holds {left[0]} of another experiment",
+            "a folder holds the records of one experiment, and its truth",
+            "name another folder with --out, or remove that one",
+        )
 
 
 def _known(out: Path, order: Order) -> dict[str, Json]:

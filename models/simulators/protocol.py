@@ -163,6 +163,11 @@ class Simulator(ABC):
     def cannot_carry(self, plant: Plant, resolution: Resolution) -> tuple[str, ...]:
         """What is asked for and this simulator has not, in words; empty where it carries all of it."""
 
+    def _mend(self, missing: str, resolution: Resolution) -> str:
+        if not (resolution.spatial and "space" in missing):
+            return "leave it out or take another simulator (--with)"
+        return "leave --spatial out, or " + ("take mujoco or exudyn (--with)" if self.name == "modal" else "the law")
+
     @abstractmethod
     def natural_freqs(self, plant: Plant, n: int, resolution: Resolution) -> FloatArray:
         """(n,) of small undamped motion about rest on the sleeves, Hz."""
@@ -204,7 +209,7 @@ class Simulator(ABC):
         """
         if angle and not (resolution.spatial and _is_pushed(plant)):
             raise InputError(
-                f"angle = {degrees(angle):g} degrees",
+                f"excitation.angle = {degrees(angle):g} degrees",
                 "a force out of the rig's plane bends a beam that may leave it; a base moves in the plane",
                 "ask for motion in space (--spatial), or leave the angle out",
             )
@@ -213,5 +218,5 @@ class Simulator(ABC):
             raise InputError(
                 f"{self.name}: {missing[0]}",
                 f"the simulator {self.name} carries every point force, contact and change of the measurement, not this",
-                "leave it out or take another simulator (--with)",
+                self._mend(missing[0], resolution),
             )

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from testbed.cli.options import AsJson, Out, RigFile, out_folder
+from testbed.cli.options import AsJson, Out, RigFile, Without, out_folder
 from testbed.cli.progress import progress
 from testbed.cli.simulate import With
 
@@ -27,6 +27,7 @@ def film(
     magnified: Annotated[
         float | None, typer.Option("--magnify", min=0.01, metavar="N", help="Of deflections in the GLB.")
     ] = None,
+    without: Without = None,
     out: Out = None,
     as_json: AsJson = False,
 ) -> None:
@@ -36,7 +37,7 @@ def film(
         from testbed.film.run import Order
         from testbed.film.run import film as filmed
 
-        content = filmed(Order(rig, of, using, first, last, magnified), folder, tell)
+        content = filmed(Order(rig, of, using, first, last, magnified, without or ()), folder, tell)
     from testbed.cli.tables import print_json, say
 
     if as_json:

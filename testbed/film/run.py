@@ -1,5 +1,6 @@
 """``testbed film``: from a record or an experiment to its moving pictures."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ from identification.progress import Progress
 from models.errors import InputError
 from models.plant import Plant, build_plant
 from models.record import Record
-from models.rig import Rig
+from models.rig import Beam, Rig
 from models.rig_file import read_rig
 from models.simulators import simulator
 from models.simulators.protocol import Resolution, Trial
@@ -39,6 +40,7 @@ class Order:
         simulator: by name.
         first, last: of the stretch, s; None leaves the choice to the program.
         magnified: factor on deflections, or None.
+        without: channels of the record to leave out.
     """
 
     rig_path: Path
@@ -47,6 +49,7 @@ class Order:
     first: float | None = None
     last: float | None = None
     magnified: float | None = None
+    without: Sequence[str] = ()
 
 
 def film(order: Order, out: Path, progress: Progress) -> dict[str, Any]:
@@ -66,11 +69,11 @@ def film(order: Order, out: Path, progress: Progress) -> dict[str, Any]:
         DivergenceError: the motion was lost.
     """
     rig = read_rig(order.rig_path)
-    plant, trial, name = _acted(order.path, rig)
-    if not plant.structure.is_beam:
+    if not isinstance(rig.structure, Beam):
         raise InputError(
             f"{order.rig_path.name}: structure.kind = 'oscillator'", "a film shows how a beam bends", "film a beam"
         )
+    plant, trial, name = _acted(order.path, rig, order.without)
     simulator(order.simulator).check(plant, Resolution())
     stretch = _stretch(order, plant, trial)
     progress(f"{order.simulator}: moving the rig up to {stretch.last:.4g} s")
@@ -96,7 +99,7 @@ def film(order: Order, out: Path, progress: Progress) -> dict[str, Any]:
     return content
 
 
-def _acted(path: Path, rig: Rig) -> tuple[Plant, Trial, str]:
+def _acted(path: Path, rig: Rig, without: Sequence[str]) -> tuple[Plant, Trial, str]:
     """What moves, what is done to it, and how the film is called."""
     if path.suffix == ".toml":
         experiment = read_experiment(path)
@@ -104,7 +107,7 @@ def _acted(path: Path, rig: Rig) -> tuple[Plant, Trial, str]:
         if run.trial.angle:
             raise InputError(f"{path.name}: excitation.angle", "a film shows the rig's plane", "leave the angle out")
         return laboratory.plant(), laboratory.trial_of(run, laboratory.dice_of(0)), run.name
-    record, plant = read_record(path, rig), build_plant(rig)
+    record, plant = read_record(path, rig, without=without), build_plant(rig)
     if not isinstance(record, Record) or record.excitation is None:
         raise InputError(
             f"{path.name}: no channel of the excitation over time",

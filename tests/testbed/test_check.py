@@ -38,6 +38,7 @@ def test_fine_files_say_what_they_hold(folder):
         ("length = 1.2", "length = 1200.0", "are both in m?"),
         ("diameter = 0.02", "diameter = 20.0", "are both in m?"),
         ("youngs_modulus = 210e9", "youngs_modulus = 210e3", "in SI units?"),
+        ("clearance = 3e-4", "clearance = 0.3", "is it in m?"),
     ],
 )
 def test_numbers_in_another_unit_are_doubted(folder, key, value, doubt):

@@ -133,3 +133,24 @@ def test_a_force_out_of_the_plane_asks_for_space_in_one_message(folder, capsys, 
 def test_an_error_comes_whole_out_of_another_process():
     error = copy(InputError("given", "expected", "mend"))  # by its parts, as processes hand errors over
     assert (str(error), error.mend) == ("given; expected; mend", "mend")
+
+
+def test_records_of_another_experiment_are_not_left_beside_a_new_truth(folder, capsys):
+    before = (folder / "out" / "truth.toml").read_bytes()
+    (folder / "other.toml").write_text(EXPERIMENT.replace("rms = [2.0, 6.0]", "rms = [3.0]"))
+    assert main(["simulate", str(RIG), str(folder / "other.toml"), "--out", str(folder / "out"), "--jobs", "1"]) == 2
+    assert "multisine_2.uff of another experiment" in capsys.readouterr().err
+    assert (folder / "out" / "truth.toml").read_bytes() == before
+
+
+def test_a_place_that_the_format_cannot_tell_is_refused_before_anything_moves(folder, capsys):
+    text = EXPERIMENT.replace(
+        EXPERIMENT[EXPERIMENT.index("kind =") : EXPERIMENT.index("[sensors.all]")],
+        'kind = "roving_hammer"\npositions = [0.777]\nduration = 0.2\n',
+    )
+    (folder / "rove.toml").write_text(text)
+    assert main(["simulate", str(RIG), str(folder / "rove.toml"), "--out", str(folder / "rove")]) == 2
+    assert "--format h5" in capsys.readouterr().err
+    assert not (folder / "rove").exists()
+    arguments = ["simulate", str(RIG), str(folder / "rove.toml"), "--out", str(folder / "rove"), "--format", "h5"]
+    assert main(arguments) == 0

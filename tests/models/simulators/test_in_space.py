@@ -144,9 +144,9 @@ def test_an_absorber_and_a_rig_without_sleeves():
 
 def test_what_does_not_go_together_is_refused_by_name():
     trial = Trial(FS, FORCE[:64])
-    with pytest.raises(InputError, match="modal: motion in space"):
+    with pytest.raises(InputError, match=r"modal: motion in space; .*; leave --spatial out, or take mujoco or exudyn"):
         simulator("modal").run(PLANT, trial, SPACE)
-    with pytest.raises(InputError, match=r"angle = 35 degrees; .*--spatial"):
+    with pytest.raises(InputError, match=r"excitation.angle = 35 degrees; .*--spatial"):
         simulator("mujoco").run(PLANT, Trial(FS, FORCE[:64], angle=ANGLE), PLANE)
     with pytest.raises(InputError, match="mujoco: native contact in space"):
         simulator("mujoco").run(PLANT, trial, Resolution(spatial=True, native_contact=True))
