@@ -65,7 +65,7 @@ def beside(view: View, base: Fit, progress: Progress) -> list[Sketch]:
         seen = promising(screen(evaluator, there, registry, progress), PER_KIND, _distance(there))
         effects = [suspect.effect for suspect in first_of_each_kind(seen)[:MOST_LONG_SKETCHES]]
         progress(f"sketching {len(effects)} suspects on {evaluator.extent}")
-        starts = [start] if back is start or not view.is_lasting else [start, back]
+        starts = [start] if back is start else [start, back]
         return sketched_from_calibrated(evaluator, there, starts, effects, registry, lasting=view.is_lasting)
     (share, seconds), bare = telling
     seen = promising(survey(beginning(evaluator, share, seconds), bare, registry, progress), PER_KIND, _distance(there))

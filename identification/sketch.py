@@ -262,21 +262,22 @@ def sketched_from_calibrated(
         for start in starts
     ]
     iterations = ITERATIONS_LASTING if lasting else ITERATIONS_TOGETHER
-    given = afresh(there.hypothesis)
+    given, slopes = afresh(there.hypothesis), grounds[0].jacobian
     alone = evaluator.with_jobs(1)
     windows = [] if lasting else [beginning(alone, share, seconds) for share, seconds, _ in HEATS]
     shorter = [fit(window, given, concerning(there, window), max_iterations=0) for window in windows]
+    whole = [(alone, ground.hypothesis, Projection(ground)) for ground in grounds]
+    short = [(windows[0], given, Projection(shorter[0]))] if windows else []
 
     def one(suspect: Effect) -> Sketch | None:
         sizes = [suspect.scaled(factor) for factor in SIZES]
-        begun = [_best_size(alone, ground.hypothesis, Projection(ground), sizes) for ground in grounds]
-        if not lasting:
-            begun += _grown(windows, shorter, _best_size(windows[0], given, Projection(shorter[0]), sizes))
-        return _together(alone, there, begun, grounds[0].jacobian, iterations)
+        begun = [_best_size(*ground, sizes) for ground in whole]
+        for ground in short:
+            begun += _grown(windows, shorter, _best_size(*ground, sizes))
+        return _together(alone, there, begun, slopes, iterations)
 
     sketches = [sketch for sketch in in_parallel(evaluator.jobs, one, suspects) if sketch]
     others = rivals(evaluator, there, by_share(sketches), registry)[:MOST_LONG_RIVALS]
-    slopes = grounds[0].jacobian
     more = in_parallel(evaluator.jobs, lambda rival: _together(alone, there, [rival], slopes, iterations), others)
     return by_share([*sketches, *(sketch for sketch in more if sketch)])
 

@@ -69,6 +69,17 @@ class ModalModel:
             return np.empty((0, self.n))
         return np.stack([self.rows(port.position, port.derivative) for port in self.ports])
 
+    def port_forces(self, rest: RestState) -> FloatArray:
+        """(n_ports,) forces of laws and contacts together on the structure at rest, N.
+
+        Args:
+            rest: where the ports are.
+        """
+        ports = [*(law.port for law in self.plant.laws), *(Port(contact.position) for contact in self.plant.contacts)]
+        total = np.zeros(len(self.ports))
+        np.add.at(total, [self.ports.index(port) for port in ports], [*rest.law_forces, *rest.contact_forces])
+        return total
+
     def rest_deflection(self, x: FloatArray) -> FloatArray:
         """(n,) deflection of the beam at rest, m, upwards from its unloaded axis.
 
@@ -76,13 +87,7 @@ class ModalModel:
             x: (n,) m from the clamp.
         """
         assert self._matrices is not None
-        index = {port: i for i, port in enumerate(self.ports)}
-        rest, plant, load = self.rest, self.plant, self._matrices.weight.copy()
-        rows = _port_rows(self._matrices, self.ports)
-        for law, force in zip(plant.laws, rest.law_forces, strict=True):
-            load += rows[index[law.port]] * force
-        for contact, force in zip(plant.contacts, rest.contact_forces, strict=True):
-            load += rows[index[Port(contact.position)]] * force
+        load = self._matrices.weight + self.port_forces(self.rest) @ _port_rows(self._matrices, self.ports)
         bent = solve_static(self._matrices.stiffness, load)
         return np.array([self._matrices.row(float(position)) @ bent for position in x])
 

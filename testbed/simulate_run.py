@@ -80,7 +80,7 @@ def run_experiment(order: Order, out: Path, *, jobs: int, progress: Progress, po
     rig, experiment = read_rig(order.rig_path), read_experiment(order.experiment_path)
     runs, laboratory = runs_of(experiment, rig), laboratory_of(experiment, rig)
     for run in runs:
-        simulator(order.simulator).check(laboratory.plant(), order.resolution, run.trial.angle)
+        simulator(order.simulator).check(laboratory.plant, order.resolution, run.trial.angle)
         _check_format(run, rig, order.suffix)
     _check_alone(out, order, runs)
     known = _known(out, order)
@@ -181,17 +181,15 @@ def one_run(order: Order, number: int, out: Path) -> Json:
     with staged(out) as stage:
         write_record(record, rig, stage / file)
         if motion.gaps.size:
-            save(contact_figure(motion, laboratory.plant(), run.name), stage / "figures", run.name)
+            save(contact_figure(motion, laboratory.plant, run.name), stage / "figures", run.name)
             if motion.across is not None:
-                save(orbit_figure(motion, laboratory.plant(), run.name), stage / "figures", f"{run.name}-orbit")
-    return {"record": file, "sha256": sha256(out / file), **_row(run, motion, laboratory.plant())}
+                save(orbit_figure(motion, laboratory.plant, run.name), stage / "figures", f"{run.name}-orbit")
+    return {"record": file, "sha256": sha256(out / file), **_row(run, motion, laboratory.plant)}
 
 
 def _row(run: Run, motion: Motion, plant: Plant) -> Json:
     """What the simulator did, in numbers."""
-    closed, pushes = motion.gaps < 0.0, np.abs(motion.contact_forces)
-    if motion.across is not None:
-        pushes = np.hypot(pushes, motion.across.forces)
+    closed = motion.gaps < 0.0
     contacts = [
         {
             "sleeve": contact.sleeve,
@@ -200,7 +198,7 @@ def _row(run: Run, motion: Motion, plant: Plant) -> Json:
             "largest_force": float(force.max()),
             "deepest": float(max(0.0, -gap.min())),
         }
-        for contact, shut, force, gap in zip(plant.contacts, closed, pushes, motion.gaps, strict=True)
+        for contact, shut, force, gap in zip(plant.contacts, closed, motion.pushes, motion.gaps, strict=True)
     ]
     return {
         "seconds_of_motion": run.trial.n_samples / run.trial.fs,

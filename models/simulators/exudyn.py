@@ -14,7 +14,7 @@ from models.cable.matrices import PLANE, SPACE, Layout
 from models.cable.moving import march, natural_freqs, settle
 from models.plant import Plant
 from models.simulators.driving import at_place, driven
-from models.simulators.protocol import Motion, Resolution, Simulator, Trial, beam_limits
+from models.simulators.protocol import Motion, Resolution, Simulator, Trial, beam_limits, of_the_chain
 from models.simulators.recorded import recorded
 from models.structure import Structure
 
@@ -44,8 +44,7 @@ class Exudyn(Simulator):
 
         Nor rotary inertia, which cables do not have, nor a contact of its own.
         """
-        asked = {"rotary inertia": resolution.rotary_inertia, "native contact": resolution.native_contact}
-        return (*beam_limits(plant, resolution), *(words for words, present in asked.items() if present))
+        return (*beam_limits(plant, resolution), *of_the_chain(resolution))
 
     def natural_freqs(self, plant: Plant, n: int, resolution: Resolution) -> FloatArray:
         """(n,) Hz; by default with twice as many elements as for a record."""

@@ -13,10 +13,10 @@ from models.errors import DivergenceError, InputError
 from models.linear import linearised, sensor_rows
 from models.modal import ModalModel, build_modal
 from models.plant import Plant
-from models.rest import RestState, find_rest
+from models.rest import find_rest
 from models.simulate import FORCE_TOLERANCE, load_of, steps_per_sample
 from models.simulators.driving import at_place, driven
-from models.simulators.protocol import EnergyBalance, Hold, Motion, Resolution, Simulator, Trial
+from models.simulators.protocol import EnergyBalance, Hold, Motion, Resolution, Simulator, Trial, of_the_chain
 from models.simulators.recorded import Steps, recorded
 from models.step_tables import items_of, linear_of
 from models.stepping import Reading, march
@@ -30,12 +30,7 @@ class Modal(Simulator):
 
     def cannot_carry(self, plant: Plant, resolution: Resolution) -> tuple[str, ...]:  # noqa: ARG002
         """No effect: the library is written for it; but it moves in the plane, as a thin rod."""
-        asked = {
-            "motion in space": resolution.spatial,
-            "rotary inertia": resolution.rotary_inertia,
-            "native contact": resolution.native_contact,
-        }
-        return tuple(words for words, present in asked.items() if present)
+        return (*(("motion in space",) if resolution.spatial else ()), *of_the_chain(resolution))
 
     def natural_freqs(self, plant: Plant, n: int, resolution: Resolution) -> FloatArray:
         """(n,) Hz; by default with twice as many modes."""
@@ -128,14 +123,7 @@ def _held(model: ModalModel, hold: Hold) -> FloatArray:
         )
     yielding = model.port_rows / model.omega**2
     flexibility, reach = yielding @ model.port_rows.T, model.rows(hold.position)
-    at_rest = _port_forces(model, model.rest)
+    at_rest = model.port_forces(model.rest)
     free = model.rest.position - flexibility @ at_rest + yielding @ reach * hold.force
-    change = _port_forces(model, find_rest(model.plant, model.ports, free, flexibility)) - at_rest
+    change = model.port_forces(find_rest(model.plant, model.ports, free, flexibility)) - at_rest
     return np.asarray((model.port_rows.T @ change + reach * hold.force) / model.omega**2)
-
-
-def _port_forces(model: ModalModel, rest: RestState) -> FloatArray:
-    """(n_ports,) forces of laws and contacts together, N."""
-    total = np.zeros(len(model.ports))
-    np.add.at(total, items_of(model).port, np.concatenate([rest.law_forces, rest.contact_forces]))
-    return total

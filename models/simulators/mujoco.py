@@ -48,7 +48,7 @@ class Mujoco(Simulator):
     def cannot_carry(self, plant: Plant, resolution: Resolution) -> tuple[str, ...]:
         """An oscillator, an axial load, hinges of damage, one loss factor for all modes, and laws on curvature.
 
-        In space, neither laws of the gap in the plane nor the engine's own contact between planes.
+        In space, neither laws that know the plane only nor the engine's own contact between planes.
         """
         flat = ("native contact in space",) if resolution.spatial and resolution.native_contact else ()
         return (*beam_limits(plant, resolution), *flat)
@@ -56,14 +56,13 @@ class Mujoco(Simulator):
     def natural_freqs(self, plant: Plant, n: int, resolution: Resolution) -> FloatArray:
         """(n,) Hz; by default the segments are those for a record at 2,048 Hz."""
         segments = resolution.n_parts or n_segments(plant, 2048.0)
-        settings = ChainSettings(1e-4, 0.0, resolution.rotary_inertia, spatial=resolution.spatial)
-        return build_chain(plant, segments, settings).natural_freqs(n)
+        return _still(plant, segments, resolution).natural_freqs(n)
 
     def carry_out(self, plant: Plant, trial: Trial, resolution: Resolution) -> Motion:
         """One test."""
         plant = at_place(plant, trial)
         n = resolution.n_parts or n_segments(plant, trial.fs)
-        factor = resolution.steps_per_sample or self._factor(plant, trial.fs, n, resolution)
+        factor = resolution.steps_per_sample or ceil(1.0 / (trial.fs * largest_step(_still(plant, n, resolution))))
         step = 1.0 / (trial.fs * factor)
         settings = ChainSettings(
             step, NEWMARK, resolution.rotary_inertia, resolution.native_contact, resolution.spatial
@@ -86,15 +85,14 @@ class Mujoco(Simulator):
             fs: rate of the record that the segments would be chosen for, Hz.
         """
         n, native = n_segments(plant, fs), cannot_stop(plant) is None
-        step = largest_step(build_chain(plant, n, ChainSettings(1e-4, 0.0, rotary_inertia=False)))
+        step = largest_step(_still(plant, n, Resolution()))
         settings = ChainSettings(step, NEWMARK, rotary_inertia=False, native_contact=native)
         return to_xml(build_spec(plant, Segments(plant.structure.length, n), settings))
 
-    @staticmethod
-    def _factor(plant: Plant, fs: float, n: int, resolution: Resolution) -> int:
-        settings = ChainSettings(1e-4, 0.0, resolution.rotary_inertia, spatial=resolution.spatial)
-        chain = build_chain(plant, n, settings)
-        return ceil(1.0 / (fs * largest_step(chain)))
+
+def _still(plant: Plant, n: int, resolution: Resolution) -> RigChain:
+    """The chain at rest on our own contacts, of which matrices are asked before a step is known."""
+    return build_chain(plant, n, ChainSettings(1e-4, 0.0, resolution.rotary_inertia, spatial=resolution.spatial))
 
 
 AUTO_SEGMENTS = (

@@ -133,6 +133,11 @@ class Motion:
     choices: tuple[str, ...] = ()
     across: Across | None = None
 
+    @property
+    def pushes(self) -> FloatArray:
+        """(n_contacts, M) N, the sizes of the contacts' forces, whichever way they act."""
+        return np.asarray(np.hypot(self.contact_forces, 0.0 if self.across is None else self.across.forces))
+
 
 def beam_limits(plant: Plant, resolution: Resolution) -> tuple[str, ...]:
     """What neither the chain nor the cable carries of a plant, in words."""
@@ -146,6 +151,12 @@ def beam_limits(plant: Plant, resolution: Resolution) -> tuple[str, ...]:
         "an absorber in space": resolution.spatial and bool(structure.absorbers),
         **{f"{law.owner}, a law that knows the rig's plane only, in space": resolution.spatial for law in plant.laws},
     }
+    return tuple(words for words, present in asked.items() if present)
+
+
+def of_the_chain(resolution: Resolution) -> tuple[str, ...]:
+    """What is asked for that the chain of segments alone has, in words."""
+    asked = {"rotary inertia": resolution.rotary_inertia, "native contact": resolution.native_contact}
     return tuple(words for words, present in asked.items() if present)
 
 

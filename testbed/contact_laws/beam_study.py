@@ -148,7 +148,7 @@ def beam_study(rig: Rig, progress: Progress, simulators: Sequence[str] = tuple(S
 
 
 def _row(law: str, restitution: float, hold: float, name: str, motion: Motion) -> BeamRow:
-    size, energy = np.abs(motion.contact_forces), motion.energy
+    size, energy = motion.pushes, motion.energy
     sample = uniform_filter1d(size, round(motion.fs / FS), axis=1)
     return BeamRow(
         law,

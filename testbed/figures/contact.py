@@ -70,8 +70,7 @@ PIECES = 24
 def _about_the_peak(motion: Motion) -> slice:
     """The samples of ``WINDOW`` seconds about the largest force."""
     n, half = motion.gaps.shape[1], round(0.5 * WINDOW * motion.fs)
-    pushes = motion.contact_forces if motion.across is None else np.hypot(motion.contact_forces, motion.across.forces)
-    peak = int(np.argmax(np.abs(pushes).max(axis=0)))
+    peak = int(np.argmax(motion.pushes.max(axis=0)))
     first = max(0, min(peak - half, n - 2 * half))
     return slice(first, min(n, first + 2 * half))
 

@@ -106,7 +106,7 @@ def _acted(path: Path, rig: Rig, without: Sequence[str]) -> tuple[Plant, Trial, 
         run, laboratory = runs_of(experiment, rig)[0], laboratory_of(experiment, rig)
         if run.trial.angle:
             raise InputError(f"{path.name}: excitation.angle", "a film shows the rig's plane", "leave the angle out")
-        return laboratory.plant(), laboratory.trial_of(run, laboratory.dice_of(0)), run.name
+        return laboratory.plant, laboratory.trial_of(run, laboratory.dice_of(0)), run.name
     record, plant = read_record(path, rig, without=without), build_plant(rig)
     if not isinstance(record, Record) or record.excitation is None:
         raise InputError(

@@ -78,9 +78,9 @@ def stretch_that_matters(plant: Plant, trial: Trial) -> Stretch:
     """
     modal = simulator("modal")
     motion = modal.run(_seen_along(plant, np.array([plant.structure.length])), trial)
-    forces = np.abs(motion.contact_forces)
-    if forces.size and np.ptp(forces) > 0.0:
-        peak = float(np.argmax(forces.max(axis=0)) / motion.fs)
+    pushes = motion.pushes
+    if pushes.size and np.ptp(pushes) > 0.0:
+        peak = float(np.argmax(pushes.max(axis=0)) / motion.fs)
     else:
         peak = float(np.argmax(np.abs(motion.channels).max(axis=0)) / trial.fs)
     length = min(length_of_stretch(plant), trial.n_samples / trial.fs)

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
+from functools import cached_property
 
 import numpy as np
 
@@ -43,6 +44,7 @@ class Laboratory:
     force: Bought
     seed: int
 
+    @cached_property
     def plant(self) -> Plant:
         """What moves."""
         return build_plant(self.built, self.hidden)
@@ -53,7 +55,7 @@ class Laboratory:
 
     def trial_of(self, run: Run, rng: np.random.Generator) -> Trial:
         """What is done in a run, with what every record has for itself drawn."""
-        return replace(run.trial, free=drawn(self.plant(), rng))
+        return replace(run.trial, free=drawn(self.plant, rng))
 
 
 def laboratory_of(experiment: Experiment, rig: Rig) -> Laboratory:
@@ -115,7 +117,7 @@ def carry_out(
         InputError: something that the simulator cannot carry.
         DivergenceError: the motion was lost.
     """
-    rng, plant = laboratory.dice_of(number), laboratory.plant()
+    rng, plant = laboratory.dice_of(number), laboratory.plant
     trial = laboratory.trial_of(run, rng)
     motion = simulator(name).run(plant, trial, resolution)
     fs = trial.fs
