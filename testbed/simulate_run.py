@@ -26,7 +26,7 @@ from testbed.figures.contact import contact_figure, orbit_figure
 from testbed.figures.save import save
 from testbed.inputs import sha256
 from testbed.outputs import json_text, staged
-from testbed.records.write import write_record
+from testbed.records.write import node_at, write_record
 from testbed.virtual.campaign import Run, runs_of
 from testbed.virtual.experiment import Experiment, read_experiment
 from testbed.virtual.laboratory import Laboratory, carry_out, laboratory_of
@@ -103,7 +103,7 @@ def run_experiment(order: Order, out: Path, *, jobs: int, progress: Progress, po
 def _check_format(run: Run, rig: Rig, suffix: str) -> None:
     """Refuse, before anything moves, a place of the force that the records' format cannot tell."""
     at = run.trial.position
-    if suffix == ".uff" and at is not None and not any(s.position == at and s.node is not None for s in rig.sensors):
+    if suffix == ".uff" and at is not None and node_at(rig, at) is None:
         raise InputError(
             f"{run.name}: the force acts at {at:g} m, where no sensor has a node",
             "a UFF file says by a node where a roving hammer strikes",
@@ -113,12 +113,9 @@ def _check_format(run: Run, rig: Rig, suffix: str) -> None:
 
 def _check_alone(out: Path, order: Order, runs: Sequence[Run]) -> None:
     """Refuse a folder in which records of another experiment would be left beside this one's truth."""
-    try:
-        there = [row["record"] for row in json.loads((out / SIMULATION).read_text(encoding="utf-8"))["records"]]
-    except (OSError, ValueError, KeyError, TypeError):
-        return
     ours = {f"{run.name}{order.suffix}" for run in runs}
-    left = [name for name in there if name not in ours and (out / name).is_file()]
+    _, rows = _left_by_the_last(out)
+    left = [row["record"] for row in rows if row["record"] not in ours and (out / row["record"]).is_file()]
     if left:
         raise InputError(
             f"--out {out}: it holds {left[0]} of another experiment",
@@ -129,13 +126,18 @@ def _check_alone(out: Path, order: Order, runs: Sequence[Run]) -> None:
 
 def _known(out: Path, order: Order) -> dict[str, Json]:
     """Rows of the records that an earlier run of the same order left whole."""
+    made_for, rows = _left_by_the_last(out)
+    files = [(row, out / row["record"]) for row in rows if made_for == order.digest()]
+    return {file.stem: row for row, file in files if file.is_file() and sha256(file) == row["sha256"]}
+
+
+def _left_by_the_last(out: Path) -> tuple[str, list[Json]]:
+    """Digest of the order that a folder's records were made for, and their rows; none where there is no such file."""
     try:
         content = json.loads((out / SIMULATION).read_text(encoding="utf-8"))
-        rows = content["records"] if content["order"] == order.digest() else []
-        files = [(row, out / row["record"]) for row in rows]
-        return {file.stem: row for row, file in files if file.is_file() and sha256(file) == row["sha256"]}
+        return content["order"], [row for row in content["records"] if row["record"] and row["sha256"]]
     except (OSError, ValueError, KeyError, TypeError):
-        return {}
+        return "", []
 
 
 def _content(order: Order, rows: Sequence[Json]) -> Json:

@@ -33,8 +33,7 @@ class Course:
     settling: bool = True
 
     def __post_init__(self) -> None:
-        self._force = self.force.tolist()
-        self._base = self.base.tolist()
+        self._base = [self._between(row) for row in self.base]
 
     @property
     def base_moves(self) -> bool:
@@ -43,23 +42,23 @@ class Course:
 
     def force_as_load(self, share: float) -> Callable[[object, float, float], float]:
         """A share of the force as Exudyn asks for it, three times a step."""
-        values: list[float] = [share * value for value in self._force]
+        at = self._between(share * self.force)
+        return lambda mbs, t, value: at(t)  # noqa: ARG005
+
+    def base_at(self, t: float, order: int) -> float:
+        """Displacement, velocity or acceleration of the base (order 0, 1, 2) at a time, s."""
+        return self._base[order](t)
+
+    def _between(self, row: FloatArray) -> Callable[[float], float]:
+        """What a row of values at every step is at a time, s; Exudyn asks for it a hundred thousand times a second."""
+        values: list[float] = row.tolist()
         rate, last = 1.0 / self.step, len(values) - 2
 
-        def load(mbs: object, t: float, value: float) -> float:  # noqa: ARG001
+        def at(t: float) -> float:
             if self.settling or not values:
                 return 0.0
             place = t * rate
             k = min(int(place), last)
             return values[k] + (place - k) * (values[k + 1] - values[k])
 
-        return load
-
-    def base_at(self, t: float, order: int) -> float:
-        """Displacement, velocity or acceleration of the base (order 0, 1, 2) at a time, s."""
-        return 0.0 if self.settling or not self.base_moves else self._between(self._base[order], t)
-
-    def _between(self, values: list[float], t: float) -> float:
-        place = t / self.step
-        k = min(max(int(place), 0), len(values) - 2)
-        return values[k] + (place - k) * (values[k + 1] - values[k])
+        return at

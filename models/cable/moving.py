@@ -127,11 +127,13 @@ def march(cable: RigCable, n_steps: int, step: float) -> March:
 def _begun(cable: RigCable) -> FloatArray:
     """(n,) coordinates at the first step, with laws that begin at rest and are asked there."""
     q = np.array(cable.system.systemData.GetODE2Coordinates())
-    for law, place in zip(cable.laws, (cable.port_rows @ q).tolist(), strict=True):
+    places = dict(zip(cable.ports, (cable.port_rows @ q).tolist(), strict=True))
+    for port, law in zip(cable.ports, cable.laws, strict=True):
         law.begin()
-        law(0.0, place, 0.0)
-    for number, around in enumerate(cable.rounds):
-        around(0.0, cable.place_in(number, q), (0.0, 0.0))
+        law(0.0, places[port], 0.0)
+    for around in cable.rounds:
+        up, across = around.ports
+        around(0.0, (places[up], places[across]), (0.0, 0.0))
     return q
 
 

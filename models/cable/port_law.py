@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from models.point_forces import PointForce, about_centre, closed_part
+from models.ports import Port
 
 ITERATIONS = 12
 NUDGE = 1e-6
@@ -100,13 +101,20 @@ class RoundLaw:
     """A contact that is round in space: a law of the radius, whose force points to the centre.
 
     Args:
-        force: the contact as it acts in the plane.
+        force: the contact as it acts in the plane, with its partner across it.
         step: s.
+
+    Attributes:
+        ports: in the plane and across it.
+        felt: N, the forces at these ports as last asked for, always in this list.
     """
 
     def __init__(self, force: PointForce, step: float) -> None:
         assert force.contact is not None
-        self.force, self.felt, self._offset = force, [0.0, 0.0], force.contact[1]
+        assert isinstance(force.port, Port)
+        assert force.partner is not None
+        self.ports = (force.port, force.partner)
+        self.felt, self._offset, self._bilateral = [0.0, 0.0], force.contact[1], force.bilateral
         self._radial = _contact(force, step)
 
     def __call__(self, t: float, place: tuple[float, float], speed: tuple[float, float]) -> tuple[float, float]:
@@ -120,7 +128,7 @@ class RoundLaw:
         r, up, aside = about_centre(place[0] - self._offset, place[1], *speed)
         at, around = self._offset + r, 0.0
         force = self._radial(t, at, speed[0] * up + speed[1] * aside)
-        if self.force.bilateral:  # without a gap it is a bushing, whose dashpot acts around too
+        if self._bilateral:  # without a gap it is a bushing, whose dashpot acts around too
             around = self._radial(t, at, speed[1] * up - speed[0] * aside) - self._radial(t, at, 0.0)
         self.felt[:] = found = force * up - around * aside, force * aside + around * up
         return found

@@ -83,16 +83,8 @@ class RigCable:
     def of_port(self, number: int) -> list[int]:
         """Numbers of the forces at a port; those of round contacts across the plane come after all others."""
         port, n = self.ports[number], len(self.forces)
-        across = [n + i for i, law in enumerate(self.rounds) if law.force.partner == port]
+        across = [n + i for i, law in enumerate(self.rounds) if law.ports[1] == port]
         return [k for k, force in enumerate(self.forces) if force.port == port] + across
-
-    def place_in(self, number: int, q: FloatArray) -> tuple[float, float]:
-        """Place of the beam in a round sleeve, in the rig's plane and across it, m."""
-        force = self.rounds[number].force
-        places = dict(zip(self.ports, (self.port_rows @ q).tolist(), strict=True))
-        assert isinstance(force.port, Port)
-        assert force.partner is not None
-        return places[force.port], places[force.partner]
 
     @cached_property
     def columns(self) -> list[int]:

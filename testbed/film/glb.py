@@ -4,6 +4,7 @@ Source: Khronos, glTF 2.0 specification, sections 3.11 (animations) and 5 (prope
 """
 
 from collections import OrderedDict
+from functools import partial
 from math import floor, log10
 from typing import Any
 
@@ -61,11 +62,8 @@ def moving_glb(take: Take, n: int, seconds: float, magnified: float) -> bytes:
         for i, name in enumerate(names)
     }
     clock = np.linspace(0.0, seconds, n)
+    animate = partial(_animate, clock=clock, channels=channels)
     scene = _scene(take, names, magnified)
-
-    def animate(buffers: OrderedDict[Any, bytes], tree: dict[str, Any]) -> None:
-        _animate(buffers, tree, clock, channels)
-
     return bytes(trimesh.exchange.gltf.export_glb(scene, include_normals=True, buffer_postprocessor=animate))
 
 

@@ -61,8 +61,18 @@ def _excitation_tag(record: Record, rig: Rig, path: Path) -> Tag:
         )
     node = rig.excitation.node
     if record.excitation_position is not None:
-        node = next((s.node for s in rig.sensors if s.position == record.excitation_position), None)
+        node = node_at(rig, record.excitation_position)
     return _tag(Measured.of(rig.excitation), node)
+
+
+def node_at(rig: Rig, position: float) -> int | None:
+    """Node of the sensor at a place, by which a UFF file says where a force acts; None where there is none.
+
+    Args:
+        rig: with the sensors.
+        position: m.
+    """
+    return next((sensor.node for sensor in rig.sensors if sensor.position == position), None)
 
 
 def _tag(measured: Measured, node: int | None) -> Tag:

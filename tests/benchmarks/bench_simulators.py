@@ -4,9 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
-from time import process_time
 
-from reference_run import FS, nrmse, reference_plant, reference_record, table, write
+from reference_run import FS, nrmse, reference_plant, reference_record, spent, table, write
 from threadpoolctl import threadpool_limits
 
 from models.arrays import FloatArray
@@ -58,13 +57,6 @@ LADDERS = {
     "exudyn": Ladder(by_engine("exudyn"), (8, 10, 12, 14, 16), (6, 8, 10, 14, 20), (32, 64)),
 }
 WORDS = {"modal": "modes", "mujoco": "segments", "exudyn": "elements"}
-
-
-def spent(run: Callable[[], object]) -> float:
-    """Processor time, s."""
-    start = process_time()
-    run()
-    return process_time() - start
 
 
 def coarsest(ladder: Ladder) -> tuple[float, int, int]:

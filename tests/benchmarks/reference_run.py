@@ -39,15 +39,17 @@ def nrmse(found: FloatArray, expected: FloatArray) -> float:
     return float(np.sqrt(np.mean((found - expected) ** 2) / np.mean(expected**2)))
 
 
+def spent(run: Callable[[], object]) -> float:
+    """Processor time of a run, s."""
+    start = process_time()
+    run()
+    return process_time() - start
+
+
 def best_of(times: int, run: Callable[[], object]) -> float:
     """The least processor time of several runs, s; one more, before them, may compile."""
     run()
-    spent = []
-    for _ in range(times):
-        start = process_time()
-        run()
-        spent.append(process_time() - start)
-    return min(spent)
+    return min(spent(run) for _ in range(times))
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
