@@ -101,6 +101,30 @@ class Items(NamedTuple):
     rest_force: FloatArray
 
 
+class Memory(NamedTuple):
+    """What a step leaves to the next besides the state, changed in place by a march that goes on from it.
+
+    Attributes:
+        q, v: (n_ports,) motion of the ports as their laws see it, m and m/s.
+        z: (n_items,) internal states.
+        before: (n_items,) forces at the start of the step, from which the next step's are guessed, N.
+        newton: (n_items, 2, 2) inverse matrices of the iteration.
+    """
+
+    q: FloatArray
+    v: FloatArray
+    z: FloatArray
+    before: FloatArray
+    newton: FloatArray
+
+    @classmethod
+    def fresh(cls, n_ports: int, n_items: int) -> "Memory":
+        """For the first step of all."""
+        newton = np.zeros((n_items, 2, 2))
+        newton[:, 0, 0] = newton[:, 1, 1] = 1.0
+        return cls(np.zeros(n_ports), np.zeros(n_ports), np.zeros(n_items), np.zeros(n_items), newton)
+
+
 @njit(**INLINE)
 def penetration_of(contact: FloatArray, j: int, t: float, q: float, v: float) -> tuple[float, float, float]:
     """(p, dp/dt, side) of row j of ``Items.contact`` at q, v."""
@@ -246,12 +270,22 @@ def reached(reading: Reading, pushed: FloatArray) -> FloatArray:
     return motion
 
 
-@njit(**OPTIONS)
-def march(  # noqa: C901, PLR0912, PLR0915
+def march(
     linear: Linear, items: Items, inputs: FloatArray, base: FloatArray, state: FloatArray,
     read: Reading, out: FloatArray, trace: FloatArray, tolerance: float,
 ) -> int:  # fmt: skip
-    """March over all columns of ``out`` and record.
+    """March from the start; arguments and result as ``march_on``."""
+    memory = Memory.fresh(len(linear.q_rest), len(items.port))
+    done: int = march_on(linear, items, inputs, base, state, memory, 0, read, out, trace, tolerance)
+    return done
+
+
+@njit(**OPTIONS)
+def march_on(  # noqa: C901, PLR0912, PLR0915
+    linear: Linear, items: Items, inputs: FloatArray, base: FloatArray, state: FloatArray, memory: Memory, past: int,
+    read: Reading, out: FloatArray, trace: FloatArray, tolerance: float,
+) -> int:  # fmt: skip
+    """March over all columns of ``out`` and record, on from where an earlier march has stopped.
 
     Args:
         linear: one step of the linear part.
@@ -259,6 +293,8 @@ def march(  # noqa: C901, PLR0912, PLR0915
         inputs: (n_in, n_steps + 1) known inputs.
         base: (2, n_steps + 1) displacement and velocity of the base, or (2, 0).
         state: (2n,) at the start, changed in place.
+        memory: of the last step, changed in place; filled from the state where there was none.
+        past: steps done before, which tell the laws the time.
         read: (n_out,) what is recorded.
         out: (n_out, n_steps + 1), filled.
         trace: (n_steps + 1, 2 n_ports + n_items), filled with q, v of the ports and the items' forces; (0, 0) for none.
@@ -277,18 +313,17 @@ def march(  # noqa: C901, PLR0912, PLR0915
     q_width, v_width, out_width = q_rows.shape[1], v_rows.shape[1], out_rows.shape[1]
     q_start, q_end = reached(q_read, port_start), reached(q_read, port_end)
     v_start, v_end = reached(v_read, port_start), reached(v_read, port_end)
-    q0, v0, q1, v1 = np.zeros(n_ports), np.zeros(n_ports), np.zeros(n_ports), np.zeros(n_ports)
-    z0, z1 = np.zeros(n_items), np.zeros(n_items)
+    q0, v0, q1, v1 = memory.q.copy(), memory.v.copy(), np.zeros(n_ports), np.zeros(n_ports)
+    z0, z1 = memory.z.copy(), np.zeros(n_items)
     a, b = np.zeros(n_items), np.zeros(n_items)
-    force, before, port_a, port_b = np.zeros(n_items), np.zeros(n_items), np.zeros(n_ports), np.zeros(n_ports)
+    force, before, port_a, port_b = np.zeros(n_items), memory.before.copy(), np.zeros(n_ports), np.zeros(n_ports)
     p0, r0, side0, n0 = np.zeros(n_items), np.zeros(n_items), np.ones(n_items), np.zeros(n_items)
-    newton = np.zeros((n_items, 2, 2))
-    newton[:, 0, 0] = newton[:, 1, 1] = 1.0
+    newton = memory.newton.copy()
     new = state.copy()
     first, second, new_first, new_second = state[:n], state[n:], new[:n], new[n:]
     q_state, v_state, out_state = new[q_read.first :], new[v_read.first :], new[read.first :]
-    for i in range(n_ports):
-        q0[i] = q_rest[i]
+    for i in range(n_ports if past == 0 else 0):
+        q0[i], v0[i] = q_rest[i], 0.0
         for k in range(q_width):
             q0[i] += q_rows[i, k] * q_state[k]
         for k in range(v_width):
@@ -296,15 +331,17 @@ def march(  # noqa: C901, PLR0912, PLR0915
         if absolute[i] > 0.0 and base.shape[1] > 0:
             q0[i] += base[0, 0]
             v0[i] += base[1, 0]
+    t = past * h
     for j in range(n_items):
         i = port_of[j]
         if is_contact[j]:
-            p0[j], r0[j], side0[j] = penetration_of(contact, j, 0.0, q0[i], v0[i])
-            n0[j] = normal_force(law_of[j], values, offset[j], 0.0, p0[j], r0[j], contact[j, 3])
+            p0[j], r0[j], side0[j] = penetration_of(contact, j, t, q0[i], v0[i])
+            n0[j] = normal_force(law_of[j], values, offset[j], t, p0[j], r0[j], contact[j, 3])
             force[j] = on_structure(n0[j], side0[j], contact[j, 3])
         else:
-            force[j] = call_law(law_of[j], 0.0, q0[i], v0[i], 0.0, values, offset[j])
-        before[j] = force[j]
+            force[j] = call_law(law_of[j], t, q0[i], v0[i], z0[j], values, offset[j])
+        if past == 0:
+            before[j] = force[j]
     for m in range(n_out):
         out[m, 0] = 0.0
         for k in range(out_width):
@@ -317,7 +354,7 @@ def march(  # noqa: C901, PLR0912, PLR0915
                 trace[step, n_ports + i] = v0[i]
             for j in range(n_items):
                 trace[step, 2 * n_ports + j] = force[j]
-        t = (step + 1) * h
+        t = (past + step + 1) * h
         for k in range(n):
             new_first[k] = exponential[0, k] * first[k] + exponential[1, k] * second[k]
             new_second[k] = exponential[2, k] * first[k] + exponential[3, k] * second[k]
@@ -426,6 +463,7 @@ def march(  # noqa: C901, PLR0912, PLR0915
             size += abs(total)
         if not size < FINITE:
             return step
+    memory.q[:], memory.v[:], memory.z[:], memory.before[:], memory.newton[:] = q0, v0, z0, before, newton
     if tracing:
         for i in range(n_ports):
             trace[n_steps, i] = q0[i]
