@@ -33,10 +33,11 @@ def frf(
 ) -> None:
     """H1, H2 and coherence at each excitation level: frf.json and figures."""
     from models.rig_file import read_rig
+    from testbed.channels import channels_of_file, channels_with_rig
     from testbed.cli.tables import print_json, print_table, say
     from testbed.figures.levels import levels_figure
     from testbed.figures.save import save
-    from testbed.frf_record import channels_of_file, channels_with_rig, levels_json, levels_of
+    from testbed.frf_record import levels_json, levels_of
     from testbed.outputs import json_text, staged
 
     left_out = without or []
@@ -64,7 +65,7 @@ def frf(
         )
         for e in levels.estimates
     ]
-    heads = (f"level, rms [{channels.excitation_unit}]", "averages", "lines", "from [Hz]", "to [Hz]", "mean coherence")
+    heads = (f"level, rms [{levels.excitation_unit}]", "averages", "lines", "from [Hz]", "to [Hz]", "mean coherence")
     print_table(heads, rows)
     for finding in channels.findings:
         say(f"note: {finding}")

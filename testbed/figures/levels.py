@@ -18,10 +18,10 @@ def levels_figure(levels: Levels, sensor: int) -> Figure:
     axes = figure.subplots(2, n, squeeze=False, sharex=True, sharey="row", height_ratios=(2, 1))
     for column, estimate in enumerate(levels.estimates):
         curves = {"H1": estimate.h1[sensor], "H2": estimate.h2[sensor]}
-        label = f"{channels.sensors[sensor]} [{channels.units[sensor]}]"
+        label = f"{channels.sensors[sensor]} [{levels.units[sensor]}]"
         plot_frf(axes[0, column], estimate.frequency, curves, label)
         plot_coherence(axes[1, column], estimate.frequency, estimate.coherence[sensor])
         axes[1, column].set_xlabel("frequency [Hz]")
-        axes[0, column].set_title(f"rms {estimate.level:.3g} {channels.excitation_unit}", fontsize=9)
+        axes[0, column].set_title(f"rms {estimate.level:.3g} {levels.excitation_unit}", fontsize=9)
     axes[0, 0].legend(fontsize=8)
     return figure

@@ -1,0 +1,185 @@
+"""Frequency and damping of each mode along a decay, with intervals: blocks, then the course of log-amplitude and phase.
+
+The estimator begins with poles that stay, and fits the blocks anew along the path that it found, so that what changes
+within a block is not averaged away. docs/theory.md, section 10.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from identification.decay.blocks import LEAST_BLOCKS, MOST_BLOCKS, Deviations, block_edges, deviations
+from identification.decay.colour import left_over, noise_colour
+from identification.decay.course import UNTOLD, Course, Told, Weighed, integral_of, weigh
+from identification.decay.poles import Poles
+from identification.decay.walk import Points
+from models.arrays import ComplexArray, FloatArray, IntArray
+
+MOST_PASSES = 6
+SAME_PATH, SAME_END = 0.3, 0.9
+"""The blocks are fitted anew until the path changes by less than this share of their errors, and the end little."""
+
+FREQUENCY_SCALE = 1e-3
+"""How much a natural frequency may well change, as a share of it, where the damping is lighter than that."""
+
+
+@dataclass(frozen=True, eq=False)
+class Interval:
+    """A quantity along the record with its 95 % interval.
+
+    Attributes:
+        times: (n,) s.
+        value, low, high: (n,) in the quantity's unit.
+    """
+
+    times: FloatArray
+    value: FloatArray
+    low: FloatArray
+    high: FloatArray
+
+    def at(self, times: FloatArray) -> FloatArray:
+        """The value at (m,) times, s."""
+        return np.interp(times, self.times, self.value)
+
+
+@dataclass(frozen=True, eq=False)
+class SmoothedMode:
+    """One mode of a decay as the smoother sees it.
+
+    Attributes:
+        decay: of the log-amplitude's rate, 1/s; negative while the mode decays.
+        turning: of the phase's rate, rad/s.
+        decay_points, turning_points: levels that both run through, beside those of a mode that stays.
+        blocks: what the levels were read from.
+    """
+
+    decay: Course
+    turning: Course
+    decay_points: Points
+    turning_points: Points
+    blocks: Deviations
+
+    @property
+    def natural_freq(self) -> Interval:
+        """sqrt(omega_d^2 + sigma^2) / 2 pi, Hz."""
+        times = self.turning.times
+        sigma = self.decay.at(times)
+        bounds = (self.turning.rate, self.turning.low, self.turning.high)
+        value, low, high = (np.hypot(rate, sigma) / (2.0 * np.pi) for rate in bounds)
+        return Interval(times, value, low, high)
+
+    @property
+    def damping_ratio(self) -> Interval:
+        """sigma / sqrt(omega_d^2 + sigma^2)."""
+        times = self.decay.times
+        omega = self.turning.at(times)
+        value, low, high = (
+            -rate / np.hypot(rate, omega) for rate in (self.decay.rate, self.decay.high, self.decay.low)
+        )
+        return Interval(times, value, low, high)
+
+
+def smooth_decay(
+    signals: FloatArray,
+    fs: float,
+    poles: Poles,
+    kick_signs: FloatArray,
+    told: Told = UNTOLD,
+) -> tuple[SmoothedMode, ...]:
+    """Follow each mode's frequency and damping along a free decay.
+
+    Args:
+        signals: (n_channels, N).
+        fs: sampling rate, Hz.
+        poles: of modes that stay, to begin with.
+        kick_signs: (n_channels,) 1 for displacements and accelerations, -1 for velocities: ``kick_of``.
+        told: what is known of the form of damping and frequency.
+
+    Returns:
+        one for each mode, in order of frequency.
+    """
+    time = np.arange(signals.shape[1]) / fs
+    paths = poles.values[:, None] * time
+    seen = np.full(len(poles.values), signals.shape[1])
+    for _ in range(MOST_PASSES):
+        colours = noise_colour(left_over(signals, np.exp(paths)), fs, poles.natural_freqs)
+        sights = [_see(signals, fs, poles, paths, m, int(seen[m]), colours[m]) for m in range(len(seen))]
+        weighed = [_weigh(sight, time, kick_signs, told) for sight in sights]
+        found = np.stack([_path(sight, *both, time) for sight, both in zip(sights, weighed, strict=True)])
+        ends = np.array([np.ceil(sight.blocks.last_clear * fs) for sight in sights], dtype=int)
+        still = [_still(sight, path) for sight, path in zip(sights, found, strict=True)]
+        if all(still) and (ends >= SAME_END * seen).all():
+            break
+        paths, seen = found, ends
+    return tuple(
+        SmoothedMode(
+            decay.average().beside(sight.pole.real),
+            turning.average().beside(sight.pole.imag),
+            decay.points,
+            turning.points,
+            sight.blocks,
+        )
+        for sight, (decay, turning) in zip(sights, weighed, strict=True)
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Sight:
+    """One mode's blocks along a path, and the pole beside which its levels are taken."""
+
+    pole: complex
+    path: ComplexArray
+    edges: IntArray
+    blocks: Deviations
+
+
+def _see(
+    signals: FloatArray, fs: float, poles: Poles, paths: ComplexArray, mode: int, seen: int, colour: float
+) -> _Sight:
+    most = MOST_BLOCKS
+    while True:
+        edges = block_edges(seen, fs, poles.values.imag / (2.0 * np.pi), mode, most)
+        blocks = deviations(signals, fs, paths, mode, edges, colour)
+        if np.count_nonzero(blocks.clear) >= LEAST_BLOCKS or most <= LEAST_BLOCKS:
+            return _Sight(complex(poles.values[mode]), paths[mode], edges, blocks)
+        most = min(most, len(edges) - 1) // 2
+
+
+def _weigh(sight: _Sight, time: FloatArray, kick_signs: FloatArray, told: Told) -> tuple[Weighed, Weighed]:
+    """The courses of log-amplitude and phase through the blocks, beside the pole's."""
+    pole, edges, blocks = sight.pole, sight.edges, sight.blocks
+    span = (float(time[0]), float(time[edges[-1] - 1]))
+    beside = np.add.reduceat((sight.path - pole * time)[: edges[-1]], edges[:-1]) / np.diff(edges)
+
+    def kick(times: FloatArray) -> FloatArray:
+        return kick_of(np.interp(times, time, sight.path.imag), blocks, kick_signs, pole.imag)
+
+    decay = weigh(blocks.points(beside.real + blocks.log_amplitude), span, abs(pole.real), kick, told)
+    scale = max(abs(pole.real), FREQUENCY_SCALE * pole.imag)
+    turning = weigh(blocks.points(beside.imag + blocks.phase), span, scale, np.zeros_like, told)
+    return decay, turning
+
+
+def _path(sight: _Sight, decay: Weighed, turning: Weighed, time: FloatArray) -> ComplexArray:
+    """(N,) the integral of both most likely rates, which stay after the mode has drowned."""
+    losing, phasing = (integral_of(*weighed.most_likely(), time) for weighed in (decay, turning))
+    return sight.pole * time + losing + 1j * phasing
+
+
+def _still(sight: _Sight, path: ComplexArray) -> bool:
+    """Whether a new path runs through all blocks as the old one did, up to a share of their errors."""
+    change = (path - sight.path)[: sight.edges[-1]]
+    within = [change[end - 1] - change[start] for start, end in pairwise(sight.edges)]
+    return bool((np.abs(within) < SAME_PATH * np.sqrt(sight.blocks.variances)).all())
+
+
+def kick_of(phase: FloatArray, blocks: Deviations, signs: FloatArray, omega: float) -> FloatArray:
+    """(m,) s, the jump of a mode's log-amplitude for a unit jump of its rate at (m,) phases of its path, rad.
+
+    Displacement and velocity do not jump when damping does, so the amplitude that they define must:
+    sin(2 phase) / (2 omega) for displacements and accelerations, the opposite for velocities.
+    """
+    weights = signs * np.abs(blocks.shape / blocks.noise) ** 2
+    turns = np.sin(2.0 * (phase[:, None] + np.angle(blocks.shape)))
+    return np.asarray(turns @ weights / np.sum(np.abs(weights)) / (2.0 * omega))
