@@ -27,6 +27,12 @@ MEDIAN_OF_SQUARE = 0.4549364
 SURE = 5.0
 """Times the root of the number of blocks: three deviations of a median of correlated squares, in logarithms."""
 
+FINEST = 1e-6
+"""Error of a block's amplitude as a share of it at least: no recorder is better, and sums of squares are not either."""
+
+DROWNED = -200.0
+"""Np below which a path's level makes no difference any more."""
+
 ROUNDING = 1e-26
 """Share of a channel's energy that counts as noise at least, far below any recorder's."""
 
@@ -115,7 +121,8 @@ def deviations(
     energy = np.sum(signals**2, axis=1)
     unexplained = energy - np.einsum("bic,bic->c", right, numbers)
     noise = np.sqrt(np.maximum(unexplained, ROUNDING * energy) / (signals.shape[1] - rows * len(centre)))
-    return _read(numbers, colour * covariance, mode, paths.real[mode, centre], noise, (edges - 0.5) / fs)
+    own = np.asarray(colour * covariance)
+    return _read(numbers, own, mode, paths.real[mode, centre], np.asarray(noise), np.asarray((edges - 0.5) / fs))
 
 
 def _read(
@@ -125,7 +132,7 @@ def _read(
     imag = mode + numbers.shape[1] // 2
     found = numbers[:, mode] + 1j * numbers[:, imag]
     own = 0.5 * (covariance[:, mode, mode] + covariance[:, imag, imag])
-    shape, size = _shape(found, noise, own), np.exp(level)
+    shape, size = _shape(found, noise, own), np.exp(np.maximum(level, DROWNED))
     weights = shape.conj() / noise**2
     strength = float((weights @ shape).real)
     along = found @ weights / strength / size
@@ -137,7 +144,7 @@ def _read(
     log, phase = ratio.real - 1.0, np.array(ratio.imag)
     log[clear], phase[clear] = np.log(np.abs(ratio[clear])), np.unwrap(np.angle(ratio[clear]))
     variances[clear] /= np.abs(ratio[clear]) ** 2
-    variances *= scatter(log, variances) ** 2
+    variances = np.maximum(variances * scatter(log, variances) ** 2, FINEST**2)
     return Deviations(edges, 0.5 * (edges[1:] + edges[:-1]), log, phase, variances, clear, shape * scale, noise)
 
 

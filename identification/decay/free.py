@@ -14,7 +14,7 @@ NEVER_QUIET = 0.1
 """A force whose quiet level is above this share of its loudest acts throughout."""
 
 SETTLING = 24
-"""Samples after a force's end in which the recorder's low-pass still rings."""
+"""Samples after a force's end in which the recorder's low-pass still rings, and before its begin: it looks ahead."""
 
 RINGS = 0.03
 """A stretch whose loudest is below this share of the loudest stretch's is rest, and not a decay."""
@@ -37,7 +37,8 @@ def free_stretches(
     acting = _onsets(responses) if excitation is None else _acting(excitation)
     edges = np.flatnonzero(np.diff(np.concatenate(([True], acting, [True])).astype(int)))
     stretches = [(int(start), int(end)) for start, end in zip(edges[::2], edges[1::2], strict=True)]
-    shifted = [(start + SETTLING if start else 0, end) for start, end in stretches]
+    n = responses.shape[1]
+    shifted = [(start + SETTLING if start else 0, end if end == n else end - SETTLING) for start, end in stretches]
     long = [(start, end) for start, end in shifted if end - start >= least * fs]
     loudness = [_loudest(responses[:, start:end]) for start, end in long]
     return [stretch for stretch, loud in zip(long, loudness, strict=True) if loud > RINGS * max(loudness)]

@@ -22,6 +22,9 @@ STILL = 1e-3
 LEAST_DAMPING = -5e-2
 """Most negative damping ratio that the search may take: a decay does not grow."""
 
+MOST_GROWTH = 20.0
+"""Np by which a mode may grow over the record while the search is under way."""
+
 ROUNDING = 1e-26
 """Share of a channel's energy that counts as noise at least, far below any recorder's."""
 
@@ -111,7 +114,8 @@ def fit_poles(signals: FloatArray, fs: float, start: Sequence[complex] | Complex
         while True:
             change = _solve(curvature + factor * np.diag(np.diag(curvature)), gradient)
             trial = poles + change[: len(poles)] + 1j * change[len(poles) :]
-            if trial.imag.min() > 0.0 and (-trial.real / np.abs(trial)).min() > LEAST_DAMPING:
+            growth = float(trial.real.max()) * n_samples / fs
+            if trial.imag.min() > 0.0 and (-trial.real / np.abs(trial)).min() > LEAST_DAMPING and growth < MOST_GROWTH:
                 new = _state(signals, fs, trial)
                 lower = float(np.sum(np.log(new.left))) * n_samples / 2.0
                 if lower <= cost + 1e-9 * abs(cost):

@@ -20,6 +20,9 @@ MOST_PASSES = 6
 SAME_PATH, SAME_END = 0.3, 0.9
 """The blocks are fitted anew until the path changes by less than this share of their errors, and the end little."""
 
+MOSTLY = 0.75
+"""Share of few blocks in which a mode stands out that is as good as all: longer ones would only be fewer."""
+
 FREQUENCY_SCALE = 1e-3
 """How much a natural frequency may well change, as a share of it, where the damping is lighter than that."""
 
@@ -141,7 +144,8 @@ def _see(
     while True:
         edges = block_edges(seen, fs, poles.values.imag / (2.0 * np.pi), mode, most)
         blocks = deviations(signals, fs, paths, mode, edges, colour)
-        if np.count_nonzero(blocks.clear) >= LEAST_BLOCKS or most <= LEAST_BLOCKS:
+        enough = min(LEAST_BLOCKS, MOSTLY * len(blocks.clear))
+        if np.count_nonzero(blocks.clear) >= enough or most <= LEAST_BLOCKS:
             return _Sight(complex(poles.values[mode]), paths[mode], edges, blocks)
         most = min(most, len(edges) - 1) // 2
 

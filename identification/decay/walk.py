@@ -160,7 +160,7 @@ def evidence(points: Points, free: Freedom, jumps: Jumps) -> float:
     """Log of the probability density of all levels but the first."""
     n = points.times.shape[0]
     x, P, errors, gains = np.empty((n, 3)), np.empty((n, 3, 3)), np.empty((n, 2)), np.empty((n, 3))
-    return filtered(points, free, jumps, x, P, errors, gains)  # type: ignore[no-any-return]
+    return filtered(points, free, jumps, x, P, errors, gains)
 
 
 @compiled

@@ -8,8 +8,8 @@ below the cut is what turns backwards. In this form nothing folds at fs / 2, how
 Both transforms take the record for periodic, so the record is first continued beyond its ends (``extend``).
 tests/identification/signals/test_separate.py states how much that lowers the errors near the ends.
 
-Source: G. Chen, Z. Wang, Mech. Syst. Signal Process. 28 (2012) 275, for constant cuts; a cut that changes in time enters
-by its phase.
+Source: G. Chen, Z. Wang, Mech. Syst. Signal Process. 28 (2012) 275, for constant cuts; a cut that changes in time
+enters by its phase.
 """
 
 import numpy as np

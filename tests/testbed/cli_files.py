@@ -65,11 +65,12 @@ FILM = SqueezeFilm(Place(sleeve="sleeve 2", position=1.0), damping=40.0)
 
 
 def make_files(folder: Path) -> Path:
-    """``rig.toml`` without the grease, ``sweep.csv`` and ``burst.csv`` with it and a little noise; an experiment."""
+    """``rig.toml`` without the grease, ``sweep.csv`` and ``burst.csv`` with it, ``decay.csv``, and an experiment."""
     (folder / "rig.toml").write_text(RIG_TOML)
     rig = read_rig(folder / "rig.toml")
     for seed, name in enumerate(("sweep.csv", "burst.csv")):
         write_record(made_record(rig, name, seed), rig, folder / name)
+    write_record(made_decay(rig), rig, folder / "decay.csv")
     (folder / "experiment.toml").write_text('fs = 512.0\n[excitation]\nkind = "sweep"\nhigh = 150.0\nduration = 0.5\n')
     return folder
 
@@ -85,6 +86,17 @@ def made_record(rig, name, seed, effects=(FILM,)):
     channels = simulate(build_plant(rig, effects), record).channels
     noisy = channels + 0.005 * channels.std() * rng.standard_normal(channels.shape)
     return Record(name, FS, excitation, record.sensors, noisy)
+
+
+def made_decay(rig):
+    """A light blow and two seconds of what follows it, the sleeve below staying closed."""
+    excitation = np.zeros(2 * N_SAMPLES)
+    excitation[20:28] = 2.0 * np.sin(np.pi * (np.arange(8) + 0.5) / 8)
+    names = tuple(sensor.name for sensor in rig.sensors)
+    still = Record("decay.csv", FS, excitation, names, np.zeros((len(names), len(excitation))))
+    channels = simulate(build_plant(rig), still).channels
+    noise = 0.002 * channels.std() * np.random.default_rng(5).standard_normal(channels.shape)
+    return Record("decay.csv", FS, excitation, names, channels + noise)
 
 
 def write_frfs(rig, path, effects=(), frequency=None):

@@ -32,8 +32,8 @@ def dense(points, free, jumps):
             s, w = t[0] + half * (GAUSS[0] + 1.0), half * GAUSS[1]
             for power, noise in ((1, free.wander), (2, free.bend)):
                 if noise and min(i, j) > 0:
-                    a, b = (np.stack([(t[k] - s) ** power / power, (t[k] - s) ** (power - 1),
-                                      np.zeros_like(s) if power == 1 else np.ones_like(s)]) for k in (i, j))  # fmt: skip
+                    last = np.full_like(s, power - 1.0)
+                    a, b = (np.stack([(t[k] - s) ** power / power, (t[k] - s) ** (power - 1), last]) for k in (i, j))
                     K[i, :, j, :] += noise * (a * w) @ b.T
     K = K.reshape(3 * n, 3 * n)
     H = np.zeros((n, 3 * n))

@@ -1,0 +1,201 @@
+"""Figures of an identification: what the modes were found in, and each mode over time."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from identification.decay.identify import Decay, Identification, ModeInDecay
+from identification.decay.smoother import Interval
+from models.arrays import ComplexArray, FloatArray
+
+SMOOTHER, RIDGE, TRUTH = "tab:blue", "tab:orange", "black"
+WIDEST = 4.0
+"""Axes show the interval's middle and this many times its spread, so that a mode's last breath does not fill them."""
+
+
+LEAST_FREQUENCY, LEAST_DAMPING = 2e-3, 0.1
+"""Half-widths of the axes at least, as shares of the values: what is steady looks so."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scalogram:
+    """A wavelet transform as it is drawn.
+
+    Attributes:
+        time: (n,) s.
+        frequencies: (n_freq,) Hz.
+        values: (n_freq, n) complex amplitudes.
+    """
+
+    time: FloatArray
+    frequencies: FloatArray
+    values: ComplexArray
+
+
+@dataclass(frozen=True, eq=False)
+class Truth:
+    """What is known of a mode beforehand, for a figure.
+
+    Attributes:
+        times: (n,) s.
+        natural_freq: (n,) Hz.
+        damping_ratio: (n,).
+    """
+
+    times: FloatArray
+    natural_freq: FloatArray
+    damping_ratio: FloatArray
+
+
+def spectrum_figure(found: Identification, decay: Decay, unit: str) -> Figure:
+    """The decay's strongest channel above the spectrum with its floor, the modes and the cuts between them."""
+    figure = Figure(figsize=(8.0, 6.0), layout="constrained")
+    top, bottom = figure.subplots(2, 1)
+    channel = int(np.argmax(decay.signals.std(axis=1)))
+    top.plot(decay.start + np.arange(decay.signals.shape[1]) / decay.fs, decay.signals[channel], linewidth=0.5)
+    top.set(xlabel="time [s]", ylabel=f"strongest channel [{unit}]", title="decay as analysed")
+    plot_spectrum(bottom, found)
+    return figure
+
+
+def plot_spectrum(ax: Axes, found: Identification) -> None:
+    """Power of all channels over the noise's, the peaks taken for modes, and the cuts.
+
+    Args:
+        ax: to draw on.
+        found: finished.
+    """
+    spectrum = found.spectrum.spectrum
+    ax.semilogy(spectrum.frequency, spectrum.power, color="0.35", linewidth=0.7, label="all channels")
+    ax.axhline(1.0, color="tab:green", linewidth=1.0, label="floor")
+    ax.axhline(spectrum.threshold, color="tab:green", linestyle=":", label="noise reaches this once in 1,000 records")
+    for i, freq in enumerate(found.decays[0].poles.natural_freqs):
+        ax.axvline(freq, color=SMOOTHER, linewidth=0.8, alpha=0.7, label="mode" if i == 0 else None)
+    for i, cut in enumerate(found.cuts):
+        ax.axvline(cut, color="tab:red", linestyle="--", linewidth=0.8, label="cut" if i == 0 else None)
+    ax.set(xlabel="frequency [Hz]", ylabel="power / floor")
+    ax.legend(fontsize=8, loc="upper right", framealpha=1.0)
+
+
+def mode_figure(mode: ModeInDecay, scalogram: Scalogram, title: str, unit: str, truth: Truth | None = None) -> Figure:
+    """Scalogram with the ridge, skeleton, frequency and damping over time, and both over the amplitude.
+
+    Args:
+        mode: in one decay.
+        scalogram: of its signal.
+        title: above all.
+        unit: of the amplitude.
+        truth: where it is known.
+    """
+    figure = Figure(figsize=(11.0, 8.5), layout="constrained")
+    figure.suptitle(title, fontsize=11)
+    axes = figure.subplots(3, 2)
+    end = float(mode.smoothed.decay.times[-1])
+    plot_scalogram(axes[0, 0], scalogram, mode, end)
+    plot_skeleton(axes[0, 1], mode, end, unit)
+    frequency, damping = mode.smoothed.natural_freq, mode.smoothed.damping_ratio
+    plot_course(axes[1, 0], frequency, mode.skeleton.time, mode.skeleton.frequency, LEAST_FREQUENCY)
+    plot_course(axes[1, 1], damping, mode.skeleton.time, mode.skeleton.damping_ratio, LEAST_DAMPING)
+    if truth is not None:
+        axes[1, 0].plot(truth.times, truth.natural_freq, color=TRUTH, linestyle="--", linewidth=1.0, label="truth")
+        axes[1, 1].plot(truth.times, truth.damping_ratio, color=TRUTH, linestyle="--", linewidth=1.0, label="truth")
+    for ax, label in ((axes[1, 0], "natural frequency [Hz]"), (axes[1, 1], "damping ratio [-]")):
+        ax.set(xlabel="time [s]", ylabel=label, xlim=(0.0, end))
+        ax.legend(fontsize=8, framealpha=1.0)
+    plot_over_amplitude(axes[2, 0], mode, frequency, LEAST_FREQUENCY)
+    plot_over_amplitude(axes[2, 1], mode, damping, LEAST_DAMPING)
+    axes[2, 0].set(xlabel=f"amplitude [{unit}]", ylabel="natural frequency [Hz]")
+    axes[2, 1].set(xlabel=f"amplitude [{unit}]", ylabel="damping ratio [-]")
+    return figure
+
+
+def plot_scalogram(ax: Axes, scalogram: Scalogram, mode: ModeInDecay, end: float) -> None:
+    """Magnitude of the wavelet transform in dB below its largest, with the ridge.
+
+    Args:
+        ax: to draw on.
+        scalogram: finished.
+        mode: whose ridge it is.
+        end: of what is shown, s.
+    """
+    level = 20.0 * np.log10(np.maximum(np.abs(scalogram.values) / np.abs(scalogram.values).max(), 1e-4))
+    image = ax.pcolormesh(
+        scalogram.time, scalogram.frequencies, level, cmap="magma", vmin=-60.0, vmax=0.0, shading="nearest",
+        rasterized=True,
+    )  # fmt: skip
+    ax.plot(mode.skeleton.time, mode.skeleton.frequency, color="white", linestyle="--", linewidth=1.0, label="ridge")
+    ax.set(xlabel="time [s]", ylabel="frequency [Hz]", xlim=(0.0, end), title="Morlet transform [dB]")
+    ax.set_ylim(scalogram.frequencies.min(), scalogram.frequencies.max())
+    ax.legend(fontsize=8, loc="upper right")
+    ax.figure.colorbar(image, ax=ax)
+
+
+def plot_skeleton(ax: Axes, mode: ModeInDecay, end: float, unit: str) -> None:
+    """Amplitude over time: the ridge's, and that of the blocks which the smoother runs through.
+
+    Args:
+        ax: to draw on.
+        mode: in one decay.
+        end: of what is shown, s.
+        unit: of the amplitude.
+    """
+    blocks, watched = mode.smoothed.blocks, mode.watched_decay
+    shown = mode.skeleton.time <= end
+    ax.semilogy(mode.skeleton.time[shown], mode.skeleton.amplitude[shown], color=RIDGE, linewidth=1.0, label="ridge")
+    ax.semilogy(
+        blocks.times, np.exp(watched.log_amplitude), color=SMOOTHER, marker=".", markersize=3.0, linewidth=0.8,
+        label="smoother",
+    )  # fmt: skip
+    ax.set(xlabel="time [s]", ylabel=f"amplitude [{unit}]", xlim=(0.0, end), title="skeleton")
+    ax.legend(fontsize=8)
+
+
+def plot_course(ax: Axes, course: Interval, ridge_times: FloatArray, ridge: FloatArray, least: float) -> None:
+    """One quantity over time with its 95 % interval, and the ridge's beside it.
+
+    Args:
+        ax: to draw on.
+        course: of the smoother.
+        ridge_times: (N,) s.
+        ridge: (N,).
+        least: half-width of the axis at least, as a share of the value.
+    """
+    ax.plot(ridge_times, ridge, color=RIDGE, linewidth=0.7, alpha=0.8, label="ridge")
+    ax.fill_between(course.times, course.low, course.high, color=SMOOTHER, alpha=0.25, linewidth=0.0, label="95 %")
+    ax.plot(course.times, course.value, color=SMOOTHER, linewidth=1.4, label="smoother")
+    ax.set_ylim(*_limits(course, least))
+
+
+def plot_over_amplitude(ax: Axes, mode: ModeInDecay, course: Interval, least: float) -> None:
+    """One quantity over the mode's amplitude.
+
+    Args:
+        ax: to draw on.
+        mode: in one decay.
+        course: of the smoother.
+        least: half-width of the axis at least, as a share of the value.
+    """
+    times = mode.smoothed.blocks.times
+    amplitude = np.exp(mode.watched_decay.log_amplitude)
+    order = np.argsort(amplitude)
+    low, high = (np.interp(times, course.times, bound)[order] for bound in (course.low, course.high))
+    ax.fill_between(amplitude[order], low, high, color=SMOOTHER, alpha=0.25, linewidth=0.0)
+    ax.semilogx(amplitude[order], course.at(times)[order], color=SMOOTHER, linewidth=1.4)
+    ax.set_ylim(*_limits(course, least))
+
+
+def _limits(course: Interval, least: float) -> tuple[float, float]:
+    """Around the values, as wide as the typical interval asks for."""
+    half = 0.5 * float(np.median(course.high - course.low))
+    low, high = float(course.value.min()), float(course.value.max())
+    margin = max(WIDEST * half, 0.15 * (high - low), least * abs(high))
+    return low - margin, high + margin
+
+
+def names_of(n_decays: int, n_modes: int) -> Sequence[tuple[int, int, str]]:
+    """(decay, mode, file name) of every mode's figure."""
+    pairs = [(d, m) for d in range(n_decays) for m in range(n_modes)]
+    return [(d, m, f"mode-{m + 1}" if n_decays == 1 else f"decay-{d + 1}-mode-{m + 1}") for d, m in pairs]

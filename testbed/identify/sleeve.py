@@ -1,0 +1,109 @@
+"""The damping of a sleeve over time, from the modes of a decay, and the rig that has it."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from identification.decay.course import NORMAL_95
+from identification.decay.damping_table import damping_effect
+from identification.decay.identify import Identification
+from identification.decay.sleeve_damping import DampingTable, contact_damping
+from identification.decay.smoother import SmoothedMode
+from models.arrays import FloatArray
+from models.effects import entry_of
+from models.effects.protocol import Place
+from models.effects.time_varying_damping import TimeVaryingDamping
+from models.errors import InputError
+from models.linear import linearised
+from models.modal import build_modal
+from models.plant import build_plant
+from models.rig import Rig
+from models.rig_file import write_rig
+
+TIMES = 120
+"""Moments at which the damping is read, evenly over the decay."""
+
+ABOVE = 1.2
+"""The model is looked at up to this many times the highest identified frequency."""
+
+
+@dataclass(frozen=True, eq=False)
+class SleeveDamping:
+    """One sleeve's contact damping over a decay.
+
+    Attributes:
+        times: (n,) s from the record's first sample.
+        value: (n,) N s/m.
+        low: (n,) of the 95 % interval.
+        high: (n,) of the 95 % interval.
+        effect: the same as a table of few knots.
+        most_telling: the mode that tells most of it, Hz.
+        contradicted: share of the times at which no damping gives the modes their ratios.
+    """
+
+    times: FloatArray
+    value: FloatArray
+    low: FloatArray
+    high: FloatArray
+    effect: TimeVaryingDamping
+    most_telling: float
+    contradicted: float
+
+
+def sleeve_damping(found: Identification, rig: Rig, sleeve: str) -> SleeveDamping:
+    """What a decay's damping ratios say of one sleeve's dashpot, the rest of the rig being as its file says.
+
+    Args:
+        found: of the rig's sensors.
+        rig: the model, in whose rest state the sleeve touches.
+        sleeve: its name.
+
+    Raises:
+        InputError: an unknown sleeve or one that is open at rest, or a mode that the rig does not have.
+    """
+    decay = found.decays[0]
+    freqs = np.array([mode.natural_freq for mode in decay.modes])
+    linear = linearised(build_modal(build_plant(rig), ABOVE * float(freqs.max())))
+    table = DampingTable.of(linear, sleeve, ABOVE * float(freqs.max()))
+    numbers = table.matched(freqs)
+    end = max(float(mode.smoothed.decay.times[-1]) for mode in decay.modes)
+    times = np.linspace(0.0, end, TIMES)
+    read = [_ratio_and_std(mode.smoothed, times) for mode in decay.modes]
+    ratios, stds = (np.stack(columns, axis=1) for columns in zip(*read, strict=True))
+    damping = contact_damping(table, numbers, ratios, stds)
+    known = np.isfinite(damping.value) & (damping.high > damping.low)
+    if not known.any():
+        raise InputError(
+            f"sleeve {sleeve!r}: the identified modes tell nothing of its damping",
+            "a mode tells a sleeve's damping where it moves the beam there",
+            "identify another mode, or name another sleeve",
+        )
+    at = times[known] + decay.start
+    course = damping.value[known], damping.low[known], damping.high[known]
+    effect = damping_effect(Place(sleeve=sleeve), at, *course)
+    telling = float(freqs[damping.most_telling])
+    return SleeveDamping(at, *course, effect, telling, float(np.mean(damping.contradicted[known])))
+
+
+def _ratio_and_std(mode: SmoothedMode, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(n,) damping ratio and its standard deviation, nan after the mode has drowned."""
+    course = mode.damping_ratio
+    seen = times <= course.times[-1]
+    ratio = np.where(seen, course.at(times), np.nan)
+    spread = np.interp(times, course.times, course.high - course.low) / (2.0 * NORMAL_95)
+    return ratio, np.where(seen, spread, np.nan)
+
+
+def write_updated(path: Path, rig: Rig, damping: SleeveDamping, updated: Path) -> None:
+    """The owner's rig file with the damping as its effect, in place of one that it had there.
+
+    Args:
+        path: the owner's file, whose comments are kept.
+        rig: what it says.
+        damping: of a sleeve.
+        updated: file to write.
+    """
+    entry = entry_of(damping.effect)
+    others = tuple(e for e in rig.effects if (e.kind, e.sleeve) != (entry.kind, entry.sleeve))
+    write_rig(rig.model_copy(update={"effects": (*others, entry)}), updated, like=path)

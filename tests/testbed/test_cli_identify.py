@@ -1,0 +1,87 @@
+import json
+
+import numpy as np
+import pytest
+from cli_files import make_files
+
+from models.linear import linearised, natural_modes
+from models.modal import build_modal
+from models.plant import build_plant
+from models.rig_file import read_rig
+from testbed.cli.app import main
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return make_files(tmp_path_factory.mktemp("files"))
+
+
+@pytest.fixture(scope="module")
+def identified(folder):
+    """What the whole command writes, with the rig and a sleeve."""
+    out = folder / "out"
+    files = [str(folder / "decay.csv"), "--rig", str(folder / "rig.toml")]
+    assert main(["identify", *files, "--sleeve", "sleeve 2", "--out", str(out)]) == 0
+    return out, json.loads((out / "identification.json").read_text())
+
+
+def test_the_modes_are_those_of_the_rig_at_rest(folder, identified):
+    _, content = identified
+    plant = build_plant(read_rig(folder / "rig.toml"))
+    truth = natural_modes(linearised(build_modal(plant, 300.0)), plant.sensors, 200.0)
+    (decay,) = content["decays"]
+    # six deviations, and the few 1e-5 by which the modal model's steps shift a frequency
+    for mode, freq, ratio in zip(decay["modes"], truth.natural_freqs, truth.damping_ratios, strict=True):
+        assert abs(mode["natural_freq"] - freq) < 6.0 * mode["natural_freq_std"] + 5e-5 * freq
+        assert abs(mode["damping_ratio"] - ratio) < 6.0 * mode["damping_ratio_std"] + 5e-4 * ratio
+
+
+def test_the_sleeve_has_the_damping_that_its_file_says(identified):
+    out, content = identified
+    assert content["sleeve"]["value"][0] == pytest.approx(80.0, rel=0.01)
+    (effect,) = read_rig(out / "rig.updated.toml").effects
+    assert (effect.kind, effect.sleeve) == ("time_varying_damping", "sleeve 2")
+    assert effect.values[0] == pytest.approx(80.0, rel=0.01)
+
+
+def test_courses_have_intervals_and_figures_are_drawn(identified):
+    out, content = identified
+    for mode in content["decays"][0]["modes"]:
+        for course in (mode["frequency"], mode["damping"]):
+            assert all(low <= value <= high for low, value, high in zip(*map(course.get, ("low", "value", "high"))))  # noqa: B905
+        assert mode["damping_depends_on"]["verdict"] == "steady"
+    assert {file.stem for file in (out / "figures").iterdir()} == {"modes", "mode-1", "mode-2", "mode-3"}
+
+
+def test_json_is_alone_on_standard_output(folder, capsys):
+    arguments = ["identify", str(folder / "decay.csv"), "--channel", "P3", "--json", "--out", str(folder / "alone")]
+    assert main(arguments) == 0
+    assert json.loads(capsys.readouterr().out)["channels"] == ["P3"]
+
+
+def test_an_equivalent_mass_gives_a_dashpot(folder):
+    out = folder / "mass"
+    arguments = ["identify", str(folder / "decay.csv"), "--band", "55", "80", "--mass", "2.5", "--out", str(out)]
+    assert main(arguments) == 0
+    content = json.loads((out / "identification.json").read_text())
+    (mode,) = content["decays"][0]["modes"]
+    expected = 2.0 * mode["damping_ratio"] * 2.0 * np.pi * mode["natural_freq"] * 2.5
+    assert np.median(content["damping"]["value"]) == pytest.approx(expected, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["sweep.csv"], "the excitation acts throughout; frequency and damping of the rig itself show while it moves"),
+        (["decay.csv", "--channel", "P9"], "no channel 'P9'; its channels are P1, P2, P3; name one of these"),
+        (["decay.csv", "--from", "3", "--to", "2"], "a stretch from 3 to 2 s; it begins before it ends"),
+        (["decay.csv", "--sleeve", "sleeve 2"], "--sleeve 'sleeve 2' without a rig; a sleeve's damping follows"),
+        (["decay.csv", "--rig", "rig.toml", "--sleeve", "sleeve 1"], "sleeve 1"),
+        (["decay.csv", "--band", "80", "20"], "a band from 80 to 20 Hz"),
+    ],
+)
+def test_bad_input_is_one_message(folder, monkeypatch, capsys, arguments, message):
+    monkeypatch.chdir(folder)
+    assert main(["identify", *arguments, "--out", "bad"]) == 2
+    assert message in capsys.readouterr().err
+    assert not (folder / "bad" / "identification.json").exists()
