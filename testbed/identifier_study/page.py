@@ -108,7 +108,7 @@ def _verification(study: Study) -> Iterator[str]:
     tracking = ", ".join(f"{TRACKED[name]} {seconds:.2f} s" for name, seconds in study.tracking.items())
     yield ""
     bars = f"{RIDGE_BARS['step']} (step) and {RIDGE_BARS['line']} (line)"
-    yield f"The article gives {bars} for its ridge, at a noise that it does not state; ours at {QUIET:g} dB stand above."
+    yield f"The article gives {bars} for its ridge, at a noise that it does not state; ours at {QUIET:g} dB are above."
     yield f"The smoother's 95 % interval holds the truth at {covered} of the time."
     yield f"From the old level to the new, less a tenth at either end, at {QUIET:g} dB: {tracking}."
 

@@ -9,7 +9,10 @@ import pytest
 from models.errors import DivergenceError
 from testbed.cli.app import main
 
-COMMANDS = ("demo", "check", "compare", "diagnose", "add", "history", "undo", "modes", "frf", "simulate", "crosscheck")
+COMMANDS = (
+    *("demo", "check", "compare", "diagnose", "add", "history", "undo", "modes", "frf", "identify"),
+    *("simulate", "film", "cosim", "crosscheck", "study"),
+)
 RIG = Path(__file__).parents[1] / "data" / "reference_rig.toml"
 
 
