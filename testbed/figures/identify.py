@@ -28,11 +28,13 @@ class Scalogram:
         time: (n,) s.
         frequencies: (n_freq,) Hz.
         values: (n_freq, n) complex amplitudes.
+        ridge: (n,) Hz, the smoothest strong path through them.
     """
 
     time: FloatArray
     frequencies: FloatArray
     values: ComplexArray
+    ridge: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +96,7 @@ def mode_figure(mode: ModeInDecay, scalogram: Scalogram, title: str, unit: str, 
     figure.suptitle(title, fontsize=11)
     axes = figure.subplots(3, 2)
     end = float(mode.smoothed.decay.times[-1])
-    plot_scalogram(axes[0, 0], scalogram, mode, end)
+    plot_scalogram(axes[0, 0], scalogram, end)
     plot_skeleton(axes[0, 1], mode, end, unit)
     frequency, damping = mode.smoothed.natural_freq, mode.smoothed.damping_ratio
     plot_course(axes[1, 0], frequency, mode.skeleton.time, mode.skeleton.frequency, LEAST_FREQUENCY)
@@ -112,13 +114,12 @@ def mode_figure(mode: ModeInDecay, scalogram: Scalogram, title: str, unit: str, 
     return figure
 
 
-def plot_scalogram(ax: Axes, scalogram: Scalogram, mode: ModeInDecay, end: float) -> None:
+def plot_scalogram(ax: Axes, scalogram: Scalogram, end: float) -> None:
     """Magnitude of the wavelet transform in dB below its largest, with the ridge.
 
     Args:
         ax: to draw on.
         scalogram: finished.
-        mode: whose ridge it is.
         end: of what is shown, s.
     """
     level = 20.0 * np.log10(np.maximum(np.abs(scalogram.values) / np.abs(scalogram.values).max(), 1e-4))
@@ -126,7 +127,7 @@ def plot_scalogram(ax: Axes, scalogram: Scalogram, mode: ModeInDecay, end: float
         scalogram.time, scalogram.frequencies, level, cmap="magma", vmin=-60.0, vmax=0.0, shading="nearest",
         rasterized=True,
     )  # fmt: skip
-    ax.plot(mode.skeleton.time, mode.skeleton.frequency, color="white", linestyle="--", linewidth=1.0, label="ridge")
+    ax.plot(scalogram.time, scalogram.ridge, color="white", linestyle="--", linewidth=1.0, label="ridge")
     ax.set(xlabel="time [s]", ylabel="frequency [Hz]", xlim=(0.0, end), title="Morlet transform [dB]")
     ax.set_ylim(scalogram.frequencies.min(), scalogram.frequencies.max())
     ax.legend(fontsize=8, loc="upper right")

@@ -7,6 +7,7 @@ from itertools import product
 
 import numpy as np
 
+from identification.decay.morlet_wave import morlet_wave_damping
 from identification.decay.ridge import EDGES, follow_mode
 from identification.decay.scale_search import ScaleSearch, Training, search_scale, try_scale
 from identification.decay.verification import MASS, OMEGA, SAMPLING_RATE
@@ -33,6 +34,9 @@ ARTICLE_RUNS = (
 
 TRAINING_SEED = 1000
 """Of the noise of the record on which a scale is searched; no scored record has it."""
+
+TWO_WAVES, WAVE_PERIODS = "two Morlet waves", 60
+"""Closed-form damping from two waves of finite length, and how long they are; shorter ones drown at this damping."""
 
 SETTLED = 0.1
 """Share of a jump that is left when the new level counts as reached."""
@@ -202,6 +206,7 @@ def ablation_rows(scales: dict[tuple[str, float], Scales], seeds: int, pool: Exe
         pool: that they are shared among.
     """
     pairs = [(window, "fitted") for window in WINDOWS] + [("gaussian", edges) for edges in EDGES if edges != "fitted"]
+    pairs += [(TWO_WAVES, "held")]
     jobs = [(case, snr, scales[case, snr].plain, *pair, seeds) for case, snr, pair in product(CASES, SNRS, pairs)]
     yield from pool.map(_ablated, *zip(*jobs, strict=True))
 
@@ -210,8 +215,12 @@ def _ablated(case: str, snr_db: float, scale: float, window: str, edges: str, se
     errors = []
     for seed in range(seeds):
         _, truth, measured = record_of(case, snr_db, seed)
-        skeleton = follow_mode(measured, SAMPLING_RATE, OMEGA / (2.0 * np.pi), scale, window, edges)
-        errors.append(rms(2.0 * MASS * skeleton.decay_rate - truth))
+        frequency = OMEGA / (2.0 * np.pi)
+        if window == TWO_WAVES:
+            rate = OMEGA * morlet_wave_damping(measured, SAMPLING_RATE, frequency, WAVE_PERIODS)
+        else:
+            rate = follow_mode(measured, SAMPLING_RATE, frequency, scale, window, edges).decay_rate
+        errors.append(rms(2.0 * MASS * rate - truth))
     return AblationRow(case, snr_db, window, edges, float(np.mean(errors)))
 
 

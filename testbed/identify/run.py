@@ -9,6 +9,7 @@ import numpy as np
 from identification.decay.cause import Cause
 from identification.decay.damping_terms import shares_of, three_terms
 from identification.decay.identify import Decay, Identification, ModeInDecay, Settings, alone, identify
+from identification.decay.ridge import find_ridge
 from identification.decay.smoother import Interval
 from identification.decay.wavelet import morlet_transform
 from identification.progress import Progress
@@ -238,4 +239,5 @@ def _scalogram(decay: Decay, found: Identification, mode: int) -> Scalogram:
     signal = alone(decay.signals, decay.fs, decay.poles, found.cuts, mode)
     values = morlet_transform(signal, decay.fs, frequencies)[:, :seen]
     step = max(values.shape[1] // SHOWN_TIMES, 1)
-    return Scalogram(np.arange(values.shape[1])[::step] / decay.fs, frequencies, values[:, ::step])
+    shown = values[:, ::step]
+    return Scalogram(np.arange(values.shape[1])[::step] / decay.fs, frequencies, shown, find_ridge(shown, frequencies))

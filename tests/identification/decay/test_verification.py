@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from identification.decay.verification import (
     DURATION,
@@ -52,6 +53,17 @@ def test_the_line_satisfies_its_equation_of_motion():
     left = MASS * a + known.damping[i] * v + STIFFNESS * x[i]
     assert np.abs(left).max() < STIFFNESS * (OMEGA * h) ** 4 / 30.0
     np.testing.assert_allclose(known.damping, 0.06 - 0.0002 * known.time, rtol=1e-12)
+
+
+def test_a_steep_line_is_what_a_general_integrator_makes_of_it():
+    known, slope = known_decay((Piece(0.0, 1.0, 2.0),)), 2.0
+
+    def motion(t, x):
+        return [x[1], -((1.0 + slope * t) * x[1] + STIFFNESS * x[0]) / MASS]
+
+    times = known.time[:1280]
+    found = solve_ivp(motion, (0.0, 5.0), [1.0, 0.0], "DOP853", times, rtol=1e-11, atol=1e-13).y[0]
+    np.testing.assert_allclose(known.signal[:1280], found, atol=1e-9)  # its tolerance over ten periods
 
 
 def test_the_lines_amplitude_falls_by_the_integral_of_its_damping():
