@@ -23,7 +23,7 @@ TIME_POWERS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
 """Of the time in a rate: 1 a straight drift, less where it slows down, more where it speeds up."""
 
 DECISIVE = 20.0
-"""Odds from which one cause is named and the other is not."""
+"""Odds against every other from which a cause of a change is named."""
 
 NOTHING = Jumps(np.empty(0), np.empty(0))
 
@@ -61,9 +61,9 @@ class Cause:
     """What a mode's rate depends on.
 
     Attributes:
-        verdict: ``steady``, ``irregular``, ``amplitude``, ``time`` or ``undecided`` between the last two.
+        verdict: ``steady``, ``irregular``, ``amplitude``, ``time`` or ``undecided``.
         probabilities: of the first four, equally likely beforehand.
-        law: the most probable law, or None where the rate is steady or irregular.
+        law: the most probable law of amplitude or time, where that is the verdict.
     """
 
     verdict: str
@@ -87,8 +87,8 @@ def find_cause(decays: Sequence[Watched]) -> Cause:
     total = logsumexp(list(marginal.values()))
     probabilities = {name: float(np.exp(value - total)) for name, value in marginal.items()}
     first, second = sorted(marginal, key=marginal.__getitem__)[:1:-1]
-    if {first, second} == {"amplitude", "time"} and marginal[first] - marginal[second] < np.log(DECISIVE):
-        return Cause("undecided", probabilities, max(laws, key=laws.__getitem__))
+    if first != "steady" and marginal[first] - marginal[second] < np.log(DECISIVE):
+        return Cause("undecided", probabilities, None)
     own = [law for law in laws if law.of == first]
     return Cause(first, probabilities, max(own, key=laws.__getitem__, default=None))
 

@@ -36,7 +36,7 @@ JUMP_ODDS = 0.3
 
 MOST_JUMPS = 6
 LEAST_POINTS = 8
-"""Fewer do not tell a jump from anything else."""
+"""Fewer do not tell a change from anything else."""
 
 LEAST_WEIGHT = 1e-3
 """A form that is less probable than this share of the best is left out."""
@@ -196,10 +196,12 @@ def weigh(points: Points, span: tuple[float, float], scale: float, kick: Kick, t
         kick: see ``Weighed``.
         told: what is known of the form.
     """
+    few = len(points.times) < LEAST_POINTS
+    if few and told is UNTOLD:
+        told = Told(("constant",), 0)
     forms = tuple(_forms(scale, span[1] - span[0], told))
     stages = [_stage(points, forms, np.empty(0), (), kick, 0.0)]
-    few = len(points.times) < LEAST_POINTS
-    most = told.jumps if told.jumps is not None else 0 if few else MOST_JUMPS
+    most = MOST_JUMPS if told.jumps is None else told.jumps
     while len(stages) <= most:
         stages.append(_one_more(points, forms, stages[-1], kick))
         if told.jumps is None and stages[-1].evidence < max(s.evidence for s in stages) - IMPROBABLE / 2.0:

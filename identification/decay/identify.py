@@ -12,11 +12,11 @@ from scipy.ndimage import uniform_filter1d
 
 from identification.decay.cause import Cause, Watched, find_cause
 from identification.decay.colour import left_over
-from identification.decay.course import UNTOLD, Told, integral_of
+from identification.decay.course import NORMAL_95, UNTOLD, Told, integral_of
 from identification.decay.own_scale import own_scale
 from identification.decay.poles import Poles, fit_poles
 from identification.decay.ridge import Skeleton, follow_mode
-from identification.decay.smoother import SmoothedMode, smooth_decay
+from identification.decay.smoother import Interval, SmoothedMode, smooth_decay
 from identification.progress import Progress
 from identification.signals.denoise import Denoised, denoise_ensemble, denoise_wavelet
 from identification.signals.peaks import Modes, cut_frequencies, find_modes
@@ -40,6 +40,10 @@ HIDDEN_DAMPING, HIDDEN_WIDTH, HIDDEN_APART = 0.1, 0.2, 0.1
 """A mode that no peak shows is looked for with this damping ratio, in what the others leave, smoothed over this share
 of the lowest frequency; closer than the last share to another it is that other one, which changes."""
 
+SPLIT, CLOSEST, NEAR, LEFT, LEAST_NEAR = 0.015, 5e-3, 0.05, 2.0, 8
+"""A pole is split at this distance to either side, into modes that differ by the second share at least, where what is
+left within the third of it is denser than around by this factor; on fewer lines than the last nothing is split."""
+
 HIGHEST = 0.4
 """Share of the sampling rate up to which it is looked for."""
 
@@ -47,8 +51,23 @@ MATERIAL = {"damping": 2e-3, "frequency": 2e-5}
 """Shares of a value by which its intervals have to part for it to change: less is of no use, and modes that nobody
 counted bring it about."""
 
+IMPOSSIBLE = 1e-6
+"""Probability of a steady mode below which means of several decays that differ are a change."""
+
 AROUND_RIDGE = 0.3
 """Of the window's width in frequency: what a mode may move by before its ridge is followed and not one frequency."""
+
+OTHER = 0.05
+"""Share by which a mode's frequency may differ between the decays of one record."""
+
+HARDLY = 0.02
+"""Np that a mode falls by over its decay at least, or it is told."""
+
+SAME = 0.03
+"""Share of its frequency within which a peak is the mode that was named."""
+
+PRICE_OF_FIRST = 3.0
+"""What a mode without a peak has to explain, in multiples of Schwarz's price: noise has many lines to choose from."""
 
 LEAST_PERIODS = 8.0
 """Of the lowest mode in a decay."""
@@ -60,7 +79,7 @@ class Settings:
 
     Attributes:
         band: Hz, the only band that is looked at; None for all of it.
-        freqs: Hz, about where the modes are; found from the spectrum where none is given.
+        freqs: Hz, about where modes are, besides those that the spectrum shows.
         denoising: one of ``DENOISING``, before all else.
         told: what is known of the courses' form.
         seed: of the ensemble's noise.
@@ -78,8 +97,9 @@ class ModeInDecay:
     """One mode in one decay.
 
     Attributes:
-        natural_freq, damping_ratio: means over the decay, each moment weighted by what it tells, Hz and -.
-        natural_freq_std, damping_ratio_std: of a mode that stays; of one that changes, of the mean.
+        natural_freq, damping_ratio: of the pole where the mode stays; where it changes, means over the decay, each
+            moment weighted by what it tells, Hz and -.
+        natural_freq_std, damping_ratio_std: standard deviations of these.
         shape: (n_channels,) complex amplitudes at the decay's first sample, in the channels' units.
         smoothed: frequency and damping over time with intervals.
         skeleton: the same from the wavelet ridge.
@@ -163,22 +183,48 @@ def identify(
     spectrum = _in_band(find_modes(decays[0], fs), settings.band)
     decays, rate, findings = _band(decays, fs, settings)
     first = decays[0] - decays[0].mean(axis=1, keepdims=True)
-    freqs, widths = _starting_points(spectrum, settings, first.shape[1] / rate)
+    freqs, widths = _starting_points(spectrum, settings, first, rate)
     progress(f"{len(freqs)} modes: {', '.join(f'{freq:.4g}' for freq in freqs)} Hz")
-    poles, kept = _fitted(first, rate, freqs, widths)
-    findings += [f"the peak at {freq:.4g} Hz is no mode of the decay" for freq in np.delete(freqs, kept)]
-    if not settings.freqs and settings.band is None:
-        poles, hidden = _with_hidden(first, rate, poles)
+    poles, kept = _fitted(first, rate, freqs, widths, settings.freqs)
+    findings += [f"there is no mode about {freq:.4g} Hz" for freq in np.delete(freqs, kept)]
+    poles, split = _split(first, rate, poles)
+    findings += [f"{freq:.4g} Hz is two modes: one leaves too much beside it" for freq in split]
+    if not settings.freqs:
+        poles, hidden = _with_hidden(first, rate, poles, settings.band)
         findings += [f"{freq:.4g} Hz is no peak, but what the others left rings there" for freq in hidden]
     cuts = _cuts(spectrum, poles)
     found = []
     for signals, start in zip(decays, starts, strict=True):
         level = _without_offset(signals, rate, poles)
         own = fit_poles(level, rate, poles.values)
+        if (np.abs(own.natural_freqs / poles.natural_freqs - 1.0) > OTHER).any():
+            findings.append(f"the decay from {start:.4g} s on does not show all of the first one's modes; left out")
+            continue
         found.append(_decay(level, start, rate, own, cuts, kick_signs, settings, progress))
     seen = [[decay.modes[m] for decay in found] for m in range(len(poles.values))]
     damping, frequency = (tuple(_cause(modes, what) for modes in seen) for what in MATERIAL)
+    steady = [cause.verdict == "steady" for cause in damping], [cause.verdict == "steady" for cause in frequency]
+    found = [_summed_up(decay, *steady) for decay in found]
+    findings += [
+        f"{mode.natural_freq:.4g} Hz hardly decays from {decay.start:.4g} s on: is it driven, or the mains?"
+        for decay in found
+        for mode in decay.modes
+        if mode.smoothed.sigma * decay.signals.shape[1] / decay.fs < HARDLY
+    ]
     return Identification(tuple(found), spectrum, cuts, denoised, damping, frequency, tuple(findings))
+
+
+def _summed_up(decay: Decay, damping_steady: Sequence[bool], frequency_steady: Sequence[bool]) -> Decay:
+    """With the pole's numbers for a mode that stays, which all of the decay has told at once."""
+    poles, modes = decay.poles, list(decay.modes)
+    for m, mode in enumerate(modes):
+        if frequency_steady[m]:
+            freq, std = float(poles.natural_freqs[m]), float(poles.natural_freq_stds[m])
+            modes[m] = mode = replace(mode, natural_freq=freq, natural_freq_std=std)  # noqa: PLW2901
+        if damping_steady[m]:
+            ratio, std = float(poles.damping_ratios[m]), float(poles.damping_ratio_stds[m])
+            modes[m] = replace(mode, damping_ratio=ratio, damping_ratio_std=std)
+    return replace(decay, modes=tuple(modes))
 
 
 def _cause(modes: Sequence[ModeInDecay], what: str) -> Cause:
@@ -187,8 +233,9 @@ def _cause(modes: Sequence[ModeInDecay], what: str) -> Cause:
     courses = [mode.smoothed.damping_ratio if damping else mode.smoothed.natural_freq for mode in modes]
     highest, lowest = max(course.low.max() for course in courses), min(course.high.min() for course in courses)
     cause = find_cause([mode.watched_decay if damping else mode.watched_turning for mode in modes])
-    changes = highest - lowest > MATERIAL[what] * abs(highest)
-    return cause if changes else replace(cause, verdict="steady", law=None)
+    means = [mode.damping_ratio if damping else mode.natural_freq for mode in modes]
+    parted = max(highest - lowest, float(np.ptp(means)) if cause.probabilities["steady"] < IMPOSSIBLE else 0.0)
+    return cause if parted > MATERIAL[what] * abs(highest) else replace(cause, verdict="steady", law=None)
 
 
 def _denoised(
@@ -232,22 +279,64 @@ def _in_band(found: Modes, band: tuple[float, float] | None) -> Modes:
     return replace(found, peaks=tuple(peak for peak in found.peaks if band[0] < peak.frequency < band[1]))
 
 
-def _starting_points(spectrum: Modes, settings: Settings, duration: float) -> tuple[FloatArray, FloatArray]:
-    """(n,) frequencies and half-power widths to begin the fit from, Hz."""
-    if settings.freqs:
-        freqs = np.array(sorted(settings.freqs))
-        return freqs, np.full(len(freqs), 1.0 / duration)
-    if not spectrum.peaks:
-        raise InputError(
-            "a decay in which no mode stands out of the noise",
-            "a mode is a peak of the spectrum that noise alone reaches in one of a thousand records",
-            "name the modes with --mode, or the stretch with --from and --to",
-        )
-    return np.array([p.frequency for p in spectrum.peaks]), np.array([p.width for p in spectrum.peaks])
+def _starting_points(
+    spectrum: Modes, settings: Settings, signals: FloatArray, fs: float
+) -> tuple[FloatArray, FloatArray]:
+    """(n,) frequencies and half-power widths to begin the fit from, Hz: those named, and the peaks beside them."""
+    low, high = LEAST_PERIODS * fs / signals.shape[1], 0.5 * fs
+    for freq in settings.freqs:
+        if not low <= freq < high:
+            raise InputError(
+                f"a mode about {freq:g} Hz",
+                f"modes of a decay of {signals.shape[1] / fs:.3g} s at {fs:.4g} Hz lie from {low:.3g} to {high:.4g} Hz",
+                "name another frequency with --mode, or take a longer stretch",
+            )
+    named = [(freq, fs / signals.shape[1]) for freq in settings.freqs]
+    seen = [(peak.frequency, peak.width) for peak in spectrum.peaks]
+    others = [peak for peak in seen if all(abs(peak[0] / freq - 1.0) > SAME for freq in settings.freqs)]
+    both = sorted(named + others) or [_strongest_line(signals, fs, settings.band)]
+    freqs, widths = np.array(both).T
+    return freqs, widths
 
 
-def _fitted(signals: FloatArray, fs: float, freqs: FloatArray, widths: FloatArray) -> tuple[Poles, IntArray]:
-    """Poles that stay, and the peaks that they belong to; a peak that turns out to be no mode is dropped."""
+def _inside(band: tuple[float, float] | None, fs: float) -> tuple[float, float]:
+    """Frequencies between which a mode without a peak is looked for, away from where a band was cut, Hz."""
+    if band is None:
+        return 0.0, HIGHEST * fs
+    return band[0] * (1.0 + HIDDEN_APART), band[1] * (1.0 - HIDDEN_APART)
+
+
+def _strongest_line(signals: FloatArray, fs: float, band: tuple[float, float] | None) -> tuple[float, float]:
+    """Frequency and width of what rings most where no peak stands out, if a heavily damped mode explains it.
+
+    Raises:
+        InputError: none does.
+    """
+    n = signals.shape[1]
+    low, high = _inside(band, fs)
+    lines = np.fft.rfftfreq(n, 1.0 / fs)
+    power = np.sum(np.abs(np.fft.rfft(signals, axis=1)) ** 2, axis=0)
+    smooth = uniform_filter1d(power, 5)
+    inside = (lines > max(low, LEAST_PERIODS * fs / n)) & (lines < high)
+    freq = float(lines[inside][np.argmax(smooth[inside])]) if inside.any() else 0.0
+    if freq > 0.0:
+        one = fit_poles(signals, fs, [2.0 * np.pi * freq * (1j - HIDDEN_DAMPING)])
+        gain = n * float(np.sum(np.log(signals.std(axis=1) / one.noise)))
+        sound = 0.0 < one.damping_ratios[0] < HEAVIEST and abs(one.natural_freqs[0] / freq - 1.0) < STRAYED
+        if sound and gain > PRICE_OF_FIRST * _price(signals.shape):
+            return float(one.natural_freqs[0]), 2.0 * float(one.natural_freqs[0] * one.damping_ratios[0])
+    where = "" if band is None else f" between {band[0]:g} and {band[1]:g} Hz"
+    raise InputError(
+        f"a decay in which no mode stands out of the noise{where}",
+        "a mode is a peak of the spectrum that noise alone reaches in one of a thousand records, or rings by itself",
+        "name the modes with --mode, or another stretch with --from and --to",
+    )
+
+
+def _fitted(
+    signals: FloatArray, fs: float, freqs: FloatArray, widths: FloatArray, named: Sequence[float]
+) -> tuple[Poles, IntArray]:
+    """Poles that stay, and the frequencies that they began from; one that leads to no mode is dropped."""
     kept = np.arange(len(freqs))
     if signals.shape[1] / fs * freqs.min() < LEAST_PERIODS:
         raise InputError(
@@ -259,10 +348,71 @@ def _fitted(signals: FloatArray, fs: float, freqs: FloatArray, widths: FloatArra
         begin = np.asarray(2.0 * np.pi * (1j * freqs[kept] - 0.5 * widths[kept]))
         poles = fit_poles(signals, fs, begin)
         astray = np.abs(poles.natural_freqs / freqs[kept] - 1.0) > STRAYED
-        wrong = np.flatnonzero(astray | (poles.damping_ratios > HEAVIEST))
-        if not len(wrong) or len(kept) == 1:
+        explained = _explained(signals.shape, fs, poles)
+        faint = np.isin(freqs[kept], named) & (explained < _price(signals.shape))
+        wrong = np.flatnonzero(astray | faint | (poles.damping_ratios > HEAVIEST))
+        if not len(wrong):
             return poles, kept
-        kept = np.delete(kept, wrong[0])
+        if len(kept) == 1:
+            went = f"{poles.natural_freqs[0]:.4g} Hz with a damping ratio of {poles.damping_ratios[0]:.2g}"
+            raise InputError(
+                f"no mode about {freqs[kept[0]]:.4g} Hz",
+                f"the fit that began there went to {went}, or explains no more than noise would",
+                "name another frequency with --mode, or leave it out",
+            )
+        kept = np.delete(kept, wrong[np.argmin(explained[wrong])])
+
+
+def _explained(size: tuple[int, ...], fs: float, poles: Poles) -> FloatArray:
+    """(n_modes,) log-likelihood that each mode brings by itself: half its energy over the noise's."""
+    energy = 0.5 * np.sum(np.exp(2.0 * poles.values.real[:, None] * np.arange(size[1]) / fs), axis=1)
+    return np.asarray(0.5 * energy * np.sum(np.abs(poles.shapes) ** 2 / poles.noise**2, axis=1))
+
+
+def _price(size: tuple[int, ...]) -> float:
+    """What a further mode has to explain. Source: Schwarz, Ann. Stat. 6 (1978) 461."""
+    return float((1.0 + size[0]) * np.log(size[0] * size[1]))
+
+
+def _split(signals: FloatArray, fs: float, poles: Poles) -> tuple[Poles, list[float]]:
+    """The poles, those of them in two that are two modes nearer than their peaks can be told apart.
+
+    Two modes are taken for one if they leave nothing there beyond the noise around, and differ in frequency: a mode
+    that changes leaves more, or splits into one frequency twice.
+    """
+    found: list[float] = []
+    for freq in poles.natural_freqs.tolist():
+        if _left_at(signals, fs, poles, freq) < LEFT:
+            continue
+        m = int(np.argmin(np.abs(poles.natural_freqs - freq)))
+        pole = complex(poles.values[m])
+        pair = [1j * pole.imag * (1.0 + side * SPLIT) + 0.5 * pole.real for side in (-1.0, 1.0)]
+        try:
+            more = fit_poles(signals, fs, [*np.delete(poles.values, m), *pair])
+        except InputError:
+            continue
+        gaps = np.diff(more.natural_freqs) / more.natural_freqs[:-1]
+        sound = gaps.min() > CLOSEST and more.damping_ratios.min() > 0.0 and more.damping_ratios.max() < HEAVIEST
+        if sound and _left_at(signals, fs, more, freq) < LEFT:
+            found.append(freq)
+            poles = more
+    return poles, found
+
+
+def _left_at(signals: FloatArray, fs: float, poles: Poles, freq: float) -> float:
+    """How dense what the poles leave is about a frequency, in multiples of its density around."""
+    n = signals.shape[1]
+    waves = np.exp(poles.values[:, None] * np.arange(n) / fs)
+    left = left_over(signals, waves)
+    power = np.sum(np.abs(np.fft.rfft(left / poles.noise[:, None], axis=1)) ** 2, axis=0)
+    lines = np.fft.rfftfreq(n, 1.0 / fs)
+    near = np.abs(lines / freq - 1.0) < NEAR
+    around = (np.abs(np.log2(np.maximum(lines, 1e-9) / freq)) < 1.0) & ~near
+    for other in poles.natural_freqs:
+        around &= np.abs(lines / other - 1.0) > NEAR
+    if np.count_nonzero(near) < LEAST_NEAR or np.count_nonzero(around) < LEAST_NEAR:
+        return 0.0
+    return float(np.mean(power[near]) / np.mean(power[around]))
 
 
 def _without_offset(signals: FloatArray, fs: float, poles: Poles) -> FloatArray:
@@ -273,19 +423,19 @@ def _without_offset(signals: FloatArray, fs: float, poles: Poles) -> FloatArray:
     return np.asarray(signals - numbers[-1][:, None])
 
 
-def _with_hidden(signals: FloatArray, fs: float, poles: Poles) -> tuple[Poles, list[float]]:
-    """The poles and those of heavily damped modes that no peak shows, each paid for by what it explains.
-
-    Source: Schwarz, Ann. Stat. 6 (1978) 461, for what a further mode has to explain.
-    """
-    n_channels, n = signals.shape
+def _with_hidden(
+    signals: FloatArray, fs: float, poles: Poles, band: tuple[float, float] | None
+) -> tuple[Poles, list[float]]:
+    """The poles and those of heavily damped modes that no peak shows, each paid for by what it explains."""
+    n = signals.shape[1]
+    low, high = _inside(band, fs)
     found: list[float] = []
     while len(found) < MOST_HIDDEN:
         waves = np.exp(poles.values[:, None] * np.arange(n) / fs)
         power = np.sum(np.abs(np.fft.rfft(left_over(signals, waves) / poles.noise[:, None], axis=1)) ** 2, axis=0)
         lines = np.fft.rfftfreq(n, 1.0 / fs)
         smooth = uniform_filter1d(power, max(round(HIDDEN_WIDTH * poles.natural_freqs[0] * n / fs), 3))
-        inside = (lines > LEAST_PERIODS * fs / n) & (lines < HIGHEST * fs)
+        inside = (lines > max(low, LEAST_PERIODS * fs / n)) & (lines < high)
         freq = float(lines[inside][np.argmax(smooth[inside])])
         begin = np.append(poles.values, 2.0 * np.pi * freq * (1j - HIDDEN_DAMPING))
         try:
@@ -295,8 +445,9 @@ def _with_hidden(signals: FloatArray, fs: float, poles: Poles) -> tuple[Poles, l
         gain = n * float(np.sum(np.log(poles.noise / more.noise)))
         new = int(np.argmax(np.abs(more.values[:, None] - poles.values).min(axis=1)))
         apart = np.abs(np.delete(more.natural_freqs, new) / more.natural_freqs[new] - 1.0).min()
-        sound = apart > HIDDEN_APART and 0.0 < more.damping_ratios[new] < HEAVIEST
-        if gain < 0.5 * (2.0 + 2.0 * n_channels) * np.log(n_channels * n) or not sound:
+        within = low < more.natural_freqs[new] < high
+        sound = within and apart > HIDDEN_APART and 0.0 < more.damping_ratios[new] < HEAVIEST
+        if gain < _price(signals.shape) or not sound:
             break
         found.append(float(more.natural_freqs[new]))
         poles = more
@@ -362,6 +513,12 @@ def _ridge(signal: FloatArray, fs: float, mode: SmoothedMode) -> Skeleton:
     return follow_mode(signal[:seen], fs, float(np.median(turning)) if steady else turning, scale)
 
 
+def _std_of_mean(course: Interval, times: FloatArray, trust: FloatArray) -> float:
+    """Of a weighted mean along a course, its errors taken to be the same everywhere: an upper bound."""
+    half = np.interp(times, course.times, 0.5 * (course.high - course.low))
+    return float(np.average(half, weights=trust)) / NORMAL_95
+
+
 def _mode(mode: SmoothedMode, skeleton: Skeleton, poles: Poles, m: int) -> ModeInDecay:
     blocks = mode.blocks
     trust = 1.0 / blocks.variances
@@ -372,8 +529,8 @@ def _mode(mode: SmoothedMode, skeleton: Skeleton, poles: Poles, m: int) -> ModeI
     return ModeInDecay(
         float(np.average(mode.natural_freq.at(blocks.times), weights=trust)),
         float(np.average(mode.damping_ratio.at(blocks.times), weights=trust)),
-        float(poles.natural_freq_stds[m]),
-        float(poles.damping_ratio_stds[m]),
+        _std_of_mean(mode.natural_freq, blocks.times, trust),
+        _std_of_mean(mode.damping_ratio, blocks.times, trust),
         poles.shapes[m],
         mode,
         skeleton,

@@ -42,7 +42,7 @@ def own_scale(fs: float, frequency: float, rate: FloatArray, noise_share: FloatA
     scales = CENTRE_FREQUENCIES * fs / (2.0 * np.pi * frequency)
     fitting = scales[scales * 2.0 * REACH < len(rate)]
     if not len(fitting):
-        return float(scales[0])
+        return max(min(float(scales[0]), len(rate) / (2.0 * REACH)), 1.0)
     blur = [np.mean((gaussian_filter1d(rate, scale, mode="nearest") - rate) ** 2) for scale in fitting]
     noise = [np.mean(noise_of_rate(scale, fs, noise_share) ** 2) for scale in fitting]
     return float(fitting[int(np.argmin(np.add(blur, noise)))])

@@ -135,7 +135,9 @@ def fit_poles(signals: FloatArray, fs: float, start: Sequence[complex] | Complex
     deviation = np.sqrt(np.tile(noise_colour(left_over(signals, waves), fs, np.abs(poles) / (2.0 * np.pi)), 2))
     covariance = _solve(curvature, np.eye(2 * len(poles))) * np.outer(deviation, deviation)
     noise = np.sqrt(state.left / (n_samples - 2 * len(poles) - 2 * len(poles) / n_channels))
-    return Poles(poles, state.amplitudes.T, covariance, noise)
+    order = np.argsort(poles.imag)
+    both = np.concatenate([order, order + len(poles)])
+    return Poles(poles[order], state.amplitudes.T[order], covariance[np.ix_(both, both)], noise)
 
 
 def pole_covariance(

@@ -53,23 +53,24 @@ class SmoothedMode:
     Attributes:
         decay: of the log-amplitude's rate, 1/s; negative while the mode decays.
         turning: of the phase's rate, rad/s.
+        sigma: decay rate of the pole that stays, 1/s.
         decay_points, turning_points: levels that both run through, beside those of a mode that stays.
         blocks: what the levels were read from.
     """
 
     decay: Course
     turning: Course
+    sigma: float
     decay_points: Points
     turning_points: Points
     blocks: Deviations
 
     @property
     def natural_freq(self) -> Interval:
-        """sqrt(omega_d^2 + sigma^2) / 2 pi, Hz."""
+        """sqrt(omega_d^2 + sigma^2) / 2 pi, Hz, with the mean sigma: friction's rate does not lower a frequency."""
         times = self.turning.times
-        sigma = self.decay.at(times)
         bounds = (self.turning.rate, self.turning.low, self.turning.high)
-        value, low, high = (np.hypot(rate, sigma) / (2.0 * np.pi) for rate in bounds)
+        value, low, high = (np.hypot(rate, self.sigma) / (2.0 * np.pi) for rate in bounds)
         return Interval(times, value, low, high)
 
     @property
@@ -119,6 +120,7 @@ def smooth_decay(
         SmoothedMode(
             decay.average().beside(sight.pole.real),
             turning.average().beside(sight.pole.imag),
+            -sight.pole.real,
             decay.points,
             turning.points,
             sight.blocks,
@@ -147,7 +149,7 @@ def _see(
         enough = min(LEAST_BLOCKS, MOSTLY * len(blocks.clear))
         if np.count_nonzero(blocks.clear) >= enough or most <= LEAST_BLOCKS:
             return _Sight(complex(poles.values[mode]), paths[mode], edges, blocks)
-        most = min(most, len(edges) - 1) // 2
+        most = max(min(most, len(edges) - 1) // 2, LEAST_BLOCKS)
 
 
 def _weigh(sight: _Sight, time: FloatArray, kick_signs: FloatArray, told: Told) -> tuple[Weighed, Weighed]:
@@ -159,8 +161,9 @@ def _weigh(sight: _Sight, time: FloatArray, kick_signs: FloatArray, told: Told) 
     def kick(times: FloatArray) -> FloatArray:
         return kick_of(np.interp(times, time, sight.path.imag), blocks, kick_signs, pole.imag)
 
-    decay = weigh(blocks.points(beside.real + blocks.log_amplitude), span, abs(pole.real), kick, told)
-    scale = max(abs(pole.real), FREQUENCY_SCALE * pole.imag)
+    losing = max(abs(pole.real), 1.0 / (span[1] - span[0]))
+    decay = weigh(blocks.points(beside.real + blocks.log_amplitude), span, losing, kick, told)
+    scale = max(losing, FREQUENCY_SCALE * pole.imag)
     turning = weigh(blocks.points(beside.imag + blocks.phase), span, scale, np.zeros_like, told)
     return decay, turning
 

@@ -72,7 +72,7 @@ def identify(
     if as_json:
         print_json(content)
         return
-    heads = ("decay", "mode", "frequency [Hz]", "+-", "damping ratio [%]", "+-", "followed [s]")
+    heads = ("decay", "mode", "frequency [Hz]", "std", "damping ratio [%]", "std", "followed [s]")
     rows = [
         (
             d + 1,
@@ -89,4 +89,5 @@ def identify(
     print_table(heads, rows)
     for finding in content["findings"]:
         say(f"note: {finding}")
-    say(f"written: {folder}/identification.json and figures")
+    updated = ", rig.updated.toml" if sleeve is not None else ""
+    say(f"written: {folder}/identification.json{updated} and figures")

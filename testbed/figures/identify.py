@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from identification.decay.identify import Decay, Identification, ModeInDecay
 from identification.decay.smoother import Interval
 from models.arrays import ComplexArray, FloatArray
+from testbed.identify.sleeve import SleeveDamping
 
 SMOOTHER, RIDGE, TRUTH = "tab:blue", "tab:orange", "black"
 WIDEST = 4.0
@@ -52,13 +53,32 @@ class Truth:
     damping_ratio: FloatArray
 
 
-def spectrum_figure(found: Identification, decay: Decay, unit: str) -> Figure:
+def sleeve_figure(damping: SleeveDamping, sleeve: str) -> Figure:
+    """A sleeve's contact damping over the record with its interval, and the table that the updated rig has.
+
+    Args:
+        damping: of the sleeve.
+        sleeve: its name.
+    """
+    figure = Figure(figsize=(8.0, 4.0), layout="constrained")
+    ax = figure.subplots()
+    half = 0.5 * (damping.high - damping.low)
+    ax.errorbar(damping.times, damping.value, half, fmt=".", color=SMOOTHER, elinewidth=0.6, label="modes, 95 %")
+    knots = damping.effect
+    ax.plot(knots.times, knots.values, color=RIDGE, marker="o", markersize=4.0, label="time_varying_damping")
+    ax.set_ylim(0.0, 1.3 * float(np.max(damping.value)))
+    ax.set(xlabel="time in the record [s]", ylabel="contact damping [N s/m]", title=sleeve)
+    ax.legend(fontsize=8, loc="lower right")
+    return figure
+
+
+def spectrum_figure(found: Identification, decay: Decay, name: str, unit: str) -> Figure:
     """The decay's strongest channel above the spectrum with its floor, the modes and the cuts between them."""
     figure = Figure(figsize=(8.0, 6.0), layout="constrained")
     top, bottom = figure.subplots(2, 1)
     channel = int(np.argmax(decay.signals.std(axis=1)))
     top.plot(decay.start + np.arange(decay.signals.shape[1]) / decay.fs, decay.signals[channel], linewidth=0.5)
-    top.set(xlabel="time [s]", ylabel=f"strongest channel [{unit}]", title="decay as analysed")
+    top.set(xlabel="time [s]", ylabel=f"strongest channel [{unit}]", title=f"{name}: decay as analysed")
     plot_spectrum(bottom, found)
     return figure
 
@@ -99,7 +119,8 @@ def mode_figure(mode: ModeInDecay, scalogram: Scalogram, title: str, unit: str, 
     plot_scalogram(axes[0, 0], scalogram, end)
     plot_skeleton(axes[0, 1], mode, end, unit)
     frequency, damping = mode.smoothed.natural_freq, mode.smoothed.damping_ratio
-    plot_course(axes[1, 0], frequency, mode.skeleton.time, mode.skeleton.frequency, LEAST_FREQUENCY)
+    natural = mode.skeleton.frequency / np.sqrt(1.0 - mode.damping_ratio**2)
+    plot_course(axes[1, 0], frequency, mode.skeleton.time, natural, LEAST_FREQUENCY)
     plot_course(axes[1, 1], damping, mode.skeleton.time, mode.skeleton.damping_ratio, LEAST_DAMPING)
     if truth is not None:
         axes[1, 0].plot(truth.times, truth.natural_freq, color=TRUTH, linestyle="--", linewidth=1.0, label="truth")
@@ -127,7 +148,7 @@ def plot_scalogram(ax: Axes, scalogram: Scalogram, end: float) -> None:
         scalogram.time, scalogram.frequencies, level, cmap="magma", vmin=-60.0, vmax=0.0, shading="nearest",
         rasterized=True,
     )  # fmt: skip
-    ax.plot(scalogram.time, scalogram.ridge, color="white", linestyle="--", linewidth=1.0, label="ridge")
+    ax.plot(scalogram.time, scalogram.ridge, color="cyan", linestyle="--", linewidth=1.0, label="ridge")
     ax.set(xlabel="time [s]", ylabel="frequency [Hz]", xlim=(0.0, end), title="Morlet transform [dB]")
     ax.set_ylim(scalogram.frequencies.min(), scalogram.frequencies.max())
     ax.legend(fontsize=8, loc="upper right")

@@ -90,7 +90,8 @@ def cell_of(snr_db: float, ratio: float, spacing: float | None, seeds: int) -> C
     bound = poles_bound(values, shapes, np.array([noise]), fs=FS, n_samples=n)
     found: dict[str, list[tuple[float, float] | None]] = {name: [] for name in ESTIMATORS}
     for seed in range(seeds):
-        measured = (clean + noise * np.random.default_rng(seed).standard_normal(n))[None]
+        dice = np.random.default_rng([seed, round(snr_db), round(1e5 * ratio), round(100.0 * (spacing or 0.0))])
+        measured = (clean + noise * dice.standard_normal(n))[None]
         for name, estimate in _estimates(measured, values, freqs).items():
             found[name].append(estimate)
     truth = (float(np.abs(values[0])) / (2.0 * np.pi), ratio)

@@ -19,7 +19,7 @@ from testbed.identifier_study.searches import (
     ten_runs,
     tracking_time,
 )
-from testbed.identifier_study.verification import Row, Trace, trace_of, verification_rows
+from testbed.identifier_study.verification import RIDGE_BARS, Row, Trace, trace_of, verification_rows
 
 JUMP = (0.06, 0.01, 50.0)
 """The step's levels, N s/m, and its time, s."""
@@ -65,11 +65,16 @@ class Study:
             if row.smoother > row.bar
         ]
         told = [
-            f"{row.case} at {row.snr_db:g} dB, form told: {row.told / row.floor:.2f} times the floor against 1.5"
+            f"{row.case} at {row.snr_db:g} dB, form told: {row.told / row.mean_floor:.2f} times the floor against 1.5"
             for row in self.rows
-            if row.told > 1.5 * row.floor
+            if row.told > 1.5 * row.mean_floor
         ]
-        return smoother + told
+        ridge = [
+            f"ridge past jumps, {row.case}: {row.past_jumps:.2g} against {RIDGE_BARS[row.case]:g} N s/m"
+            for row in self.rows
+            if row.snr_db == QUIET and row.past_jumps > RIDGE_BARS[row.case]
+        ]
+        return smoother + told + ridge
 
 
 def identifier_study(seeds: int, pool: Executor, progress: Progress) -> Study:

@@ -16,11 +16,11 @@ from identification.progress import Progress
 from models.errors import InputError
 from models.rig import Rig
 from models.rig_file import read_rig
-from testbed.figures.identify import Scalogram, mode_figure, names_of, spectrum_figure
+from testbed.figures.identify import Scalogram, mode_figure, names_of, sleeve_figure, spectrum_figure
 from testbed.figures.save import save
 from testbed.history import UPDATED
 from testbed.identify.record import Decays, decays_of
-from testbed.identify.sleeve import sleeve_damping, write_updated
+from testbed.identify.sleeve import SleeveDamping, sleeve_damping, sleeve_findings, write_updated
 from testbed.identify.words import findings_of
 from testbed.outputs import json_text, staged
 from testbed.quantities import unit_of
@@ -35,6 +35,9 @@ SHOWN_BAND = 0.35
 
 HIGHEST_SHOWN = 0.49
 """Share of the sampling rate."""
+
+MECHANISMS = 3
+"""Of damping, which as many modes at least tell apart."""
 
 RIDGE_SAMPLES = 1000
 """Of the ridge in the JSON at most, evenly spaced."""
@@ -89,6 +92,7 @@ def run_identification(order: Order, settings: Settings, out: Path, *, progress:
             "name the rig with --rig",
         )
     rig = None if order.rig is None else read_rig(order.rig)
+    _check(order, rig)
     decays = decays_of(
         order.record,
         rig,
@@ -102,11 +106,26 @@ def run_identification(order: Order, settings: Settings, out: Path, *, progress:
     content = identification_json(found, decays, settings, order.mass)
     with staged(out) as stage:
         if rig is not None and order.sleeve is not None and order.rig is not None:
-            content["sleeve"] = _updated(found, rig, order.rig, order.sleeve, stage)
+            damping = sleeve_damping(found, rig, order.sleeve)
+            write_updated(order.rig, rig, damping, stage / UPDATED)
+            content["sleeve"] = _sleeve_json(damping, order.sleeve)
+            content["findings"] += sleeve_findings(damping, found, order.sleeve)
+            save(sleeve_figure(damping, order.sleeve), stage / "figures", "sleeve")
         (stage / "identification.json").write_text(json_text(content), encoding="utf-8")
         progress("drawing")
         _draw(found, decays, stage)
     return content
+
+
+def _check(order: Order, rig: Rig | None) -> None:
+    """Refuse, before anything is computed, a sleeve that the rig does not have and a mass that is none."""
+    sleeves = [] if rig is None else [sleeve.name for sleeve in rig.sleeves]
+    if rig is not None and order.sleeve is not None and order.sleeve not in sleeves:
+        raise InputError(
+            f"--sleeve {order.sleeve!r}", f"the rig's sleeves are {', '.join(sleeves) or 'none'}", "name one of these"
+        )
+    if order.mass is not None and order.mass <= 0.0:
+        raise InputError(f"--mass {order.mass:g}", "an equivalent mass is more than 0 kg", "leave it out if unknown")
 
 
 def identification_json(found: Identification, decays: Decays, settings: Settings, mass: float | None) -> Json:
@@ -120,7 +139,9 @@ def identification_json(found: Identification, decays: Decays, settings: Setting
     """
     first = found.decays[0]
     omega = 2.0 * np.pi * np.array([mode.natural_freq for mode in first.modes])
-    shares = shares_of(omega, np.array([mode.damping_ratio for mode in first.modes]))
+    ratios = np.array([mode.damping_ratio for mode in first.modes])
+    told = len(ratios) >= MECHANISMS and bool((ratios > 0.0).all())
+    shares = shares_of(omega, ratios) if told else None
     content: Json = {
         "record": decays.channels.name,
         "channels": list(decays.channels.sensors),
@@ -129,7 +150,9 @@ def identification_json(found: Identification, decays: Decays, settings: Setting
         "cuts": found.cuts,
         "removed": [{"rms": one.removed_rms, "what": list(one.what)} for one in found.denoised],
         "decays": [_decay_json(decay, found, decays) for decay in found.decays],
-        "damping_mechanism": {
+        "damping_mechanism": None
+        if shares is None
+        else {
             "mass_proportional": shares.coefficients[0],
             "stiffness_proportional": shares.coefficients[1],
             "loss_factor": shares.coefficients[2],
@@ -182,7 +205,7 @@ def _ridge_json(mode: ModeInDecay) -> Json:
         "window": skeleton.window,
         "time": skeleton.time[every],
         "amplitude": skeleton.amplitude[every],
-        "frequency": skeleton.frequency[every],
+        "frequency": skeleton.frequency[every] / np.sqrt(1.0 - mode.damping_ratio**2),
         "damping_ratio": skeleton.damping_ratio[every],
     }
 
@@ -203,10 +226,7 @@ def _dashpot_json(mode: ModeInDecay, mass: float) -> Json:
     return {"unit": "N s/m", "time": course.times, "value": value, "low": low, "high": high}
 
 
-def _updated(found: Identification, rig: Rig, path: Path, sleeve: str, stage: Path) -> Json:
-    """The damping of a sleeve over time, and the rig with it as ``rig.updated.toml``."""
-    damping = sleeve_damping(found, rig, sleeve)
-    write_updated(path, rig, damping, stage / UPDATED)
+def _sleeve_json(damping: SleeveDamping, sleeve: str) -> Json:
     return {
         "name": sleeve,
         "unit": "N s/m",
@@ -222,12 +242,13 @@ def _updated(found: Identification, rig: Rig, path: Path, sleeve: str, stage: Pa
 
 def _draw(found: Identification, decays: Decays, stage: Path) -> None:
     folder, unit = stage / "figures", unit_of(decays.channels.quantities[0])
-    save(spectrum_figure(found, found.decays[0], unit), folder, "modes")
+    save(spectrum_figure(found, found.decays[0], decays.channels.name, unit), folder, "modes")
     for d, m, name in names_of(len(found.decays), len(found.cuts) + 1):
         decay = found.decays[d]
         mode = decay.modes[m]
         shown = _scalogram(decay, found, m)
-        title = f"{decays.channels.name}: mode {m + 1}, {mode.natural_freq:.4g} Hz"
+        which = f"decay {d + 1} from {decay.start:.3g} s, " if len(found.decays) > 1 else ""
+        title = f"{decays.channels.name}: {which}mode {m + 1}, {mode.natural_freq:.4g} Hz"
         save(mode_figure(mode, shown, title, unit), folder, name)
 
 

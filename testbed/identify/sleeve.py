@@ -7,7 +7,7 @@ import numpy as np
 
 from identification.decay.course import NORMAL_95
 from identification.decay.damping_table import damping_effect
-from identification.decay.identify import Identification
+from identification.decay.identify import Decay, Identification
 from identification.decay.sleeve_damping import DampingTable, contact_damping
 from identification.decay.smoother import SmoothedMode
 from models.arrays import FloatArray
@@ -22,7 +22,10 @@ from models.rig import Rig
 from models.rig_file import write_rig
 
 TIMES = 120
-"""Moments at which the damping is read, evenly over the decay."""
+"""Moments at which the damping is read, evenly over each decay."""
+
+SOME = 0.1
+"""Share of the time above which contradicting modes are told."""
 
 ABOVE = 1.2
 """The model is looked at up to this many times the highest identified frequency."""
@@ -62,15 +65,12 @@ def sleeve_damping(found: Identification, rig: Rig, sleeve: str) -> SleeveDampin
     Raises:
         InputError: an unknown sleeve or one that is open at rest, or a mode that the rig does not have.
     """
-    decay = found.decays[0]
-    freqs = np.array([mode.natural_freq for mode in decay.modes])
+    freqs = np.array([mode.natural_freq for mode in found.decays[0].modes])
     linear = linearised(build_modal(build_plant(rig), ABOVE * float(freqs.max())))
     table = DampingTable.of(linear, sleeve, ABOVE * float(freqs.max()))
     numbers = table.matched(freqs)
-    end = max(float(mode.smoothed.decay.times[-1]) for mode in decay.modes)
-    times = np.linspace(0.0, end, TIMES)
-    read = [_ratio_and_std(mode.smoothed, times) for mode in decay.modes]
-    ratios, stds = (np.stack(columns, axis=1) for columns in zip(*read, strict=True))
+    columns = [_decay(decay) for decay in found.decays]
+    times, ratios, stds = (np.concatenate(parts) for parts in zip(*columns, strict=True))
     damping = contact_damping(table, numbers, ratios, stds)
     known = np.isfinite(damping.value) & (damping.high > damping.low)
     if not known.any():
@@ -79,11 +79,20 @@ def sleeve_damping(found: Identification, rig: Rig, sleeve: str) -> SleeveDampin
             "a mode tells a sleeve's damping where it moves the beam there",
             "identify another mode, or name another sleeve",
         )
-    at = times[known] + decay.start
+    at = times[known]
     course = damping.value[known], damping.low[known], damping.high[known]
     effect = damping_effect(Place(sleeve=sleeve), at, *course)
     telling = float(freqs[damping.most_telling])
     return SleeveDamping(at, *course, effect, telling, float(np.mean(damping.contradicted[known])))
+
+
+def _decay(decay: Decay) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """(n,) s from the record's first sample, and (n, n_modes) ratios and standard deviations in one decay."""
+    end = max(float(mode.smoothed.decay.times[-1]) for mode in decay.modes)
+    times = np.linspace(0.0, end, TIMES)
+    read = [_ratio_and_std(mode.smoothed, times) for mode in decay.modes]
+    ratios, stds = (np.stack(columns, axis=1) for columns in zip(*read, strict=True))
+    return times + decay.start, ratios, stds
 
 
 def _ratio_and_std(mode: SmoothedMode, times: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -93,6 +102,28 @@ def _ratio_and_std(mode: SmoothedMode, times: FloatArray) -> tuple[FloatArray, F
     ratio = np.where(seen, course.at(times), np.nan)
     spread = np.interp(times, course.times, course.high - course.low) / (2.0 * NORMAL_95)
     return ratio, np.where(seen, spread, np.nan)
+
+
+def sleeve_findings(damping: SleeveDamping, found: Identification, sleeve: str) -> list[str]:
+    """What the damping of a sleeve comes to, and what speaks against taking it for one of time, in words.
+
+    Args:
+        damping: of the sleeve.
+        found: where it comes from.
+        sleeve: its name.
+    """
+    mean, half = float(np.mean(damping.value)), float(np.mean(damping.high - damping.low)) / 2.0
+    sentences = [
+        f"{sleeve}: {mean:.4g} +- {half:.2g} N s/m (95 %) in the mean, told best by {damping.most_telling:.4g} Hz"
+    ]
+    if damping.contradicted > SOME:
+        sentences.append(
+            f"{sleeve}: the modes contradict each other {damping.contradicted:.0%} of the time; something else in the "
+            "rig is not as its file says"
+        )
+    if any(cause.verdict == "amplitude" for cause in found.damping_causes):
+        sentences.append(f"{sleeve}: damping depends on amplitude; a table over time holds for this record alone")
+    return sentences
 
 
 def write_updated(path: Path, rig: Rig, damping: SleeveDamping, updated: Path) -> None:

@@ -23,18 +23,19 @@ def cause_in_words(what: str, cause: Cause, course: Course, *, several: bool) ->
         several: whether decays of several levels were compared.
     """
     jumps = [jump for jump in course.jumps if jump.probability > SURE]
-    if cause.verdict == "steady":
+    if cause.verdict == "steady" and cause.probabilities["steady"] > SURE:
         return f"{what}: steady (probability {cause.probabilities['steady']:.3f})"
+    if cause.verdict == "steady":
+        return f"{what}: no change beyond its intervals"
     if cause.verdict == "irregular":
         at = ", ".join(f"{jump.time:.4g} +- {jump.std:.2g} s" for jump in jumps)
         sudden = f"; it jumps at {at}" if jumps else ""
         return f"{what}: changes, and follows no simple law of amplitude or time{sudden}"
-    assert cause.law is not None
-    odds = cause.probabilities.get(cause.verdict, 0.0)
     if cause.verdict == "undecided":
-        return (
-            f"{what}: changes; whether with amplitude or with time this decay cannot tell: repeat it from another level"
-        )
+        told = ", ".join(f"{name} {value:.2f}" for name, value in cause.probabilities.items())
+        return f"{what}: changes, and these decays do not tell with what ({told}); repeat them from another level"
+    assert cause.law is not None
+    odds = cause.probabilities[cause.verdict]
     if cause.verdict == "time":
         return f"{what}: drifts with time, about as t^{cause.law.power:g} (probability {odds:.4f})"
     law = AMPLITUDE_LAWS.get(cause.law.power, f"about as the amplitude to the power {cause.law.power:g}")

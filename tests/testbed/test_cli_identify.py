@@ -50,7 +50,7 @@ def test_courses_have_intervals_and_figures_are_drawn(identified):
         for course in (mode["frequency"], mode["damping"]):
             assert all(low <= value <= high for low, value, high in zip(*map(course.get, ("low", "value", "high"))))  # noqa: B905
         assert mode["damping_depends_on"]["verdict"] == "steady"
-    assert {file.stem for file in (out / "figures").iterdir()} == {"modes", "mode-1", "mode-2", "mode-3"}
+    assert {file.stem for file in (out / "figures").iterdir()} == {"modes", "mode-1", "mode-2", "mode-3", "sleeve"}
 
 
 def test_json_is_alone_on_standard_output(folder, capsys):

@@ -73,7 +73,7 @@ def test_named_modes_are_begun_from(decay):
 
 def test_noise_alone_has_no_modes():
     silence = np.random.default_rng(0).standard_normal((2, 4096))
-    with pytest.raises(InputError, match=r"no mode stands out .*; name the modes with --mode, or the stretch"):
+    with pytest.raises(InputError, match=r"no mode stands out .*; name the modes with --mode, or another stretch"):
         identify([silence], [0.0], FS, np.ones(2))
 
 
@@ -83,8 +83,65 @@ def test_a_band_that_is_none_is_refused(decay):
 
 
 def test_a_decay_too_short_for_its_mode_is_refused(decay):
-    with pytest.raises(InputError, match="followed over 8 periods or more; take a longer stretch"):
+    with pytest.raises(InputError, match=r"a mode about 9.25 Hz; modes of a decay of 0.5 s .* from 16 to 1024 Hz"):
         identify([decay[:, :1024]], [0.0], FS, np.ones(8), Settings(freqs=(9.25,)))
+
+
+def close(spacing, ratio, snr_db, n_channels, seed=0):
+    """(n_channels, N) two modes of one damping ratio at 50 Hz and a share above, and their poles."""
+    poles = 2.0 * np.pi * 50.0 * np.array([1.0, 1.0 + spacing]) * (1j * np.sqrt(1.0 - ratio**2) - ratio)
+    shapes = np.random.default_rng(seed).uniform(0.4, 1.0, (2, n_channels))
+    return noisy(ringing(poles, shapes, 512.0, 8192), snr_db, seed), poles
+
+
+@pytest.mark.parametrize(
+    ("spacing", "ratio", "snr_db", "n_channels"), [(0.05, 0.01, 30.0, 1), (0.05, 0.01, 40.0, 8), (0.03, 0.003, 40.0, 4)]
+)
+def test_close_modes_are_two_and_steady(spacing, ratio, snr_db, n_channels):
+    signals, poles = close(spacing, ratio, snr_db, n_channels)
+    found = identify([signals], [0.0], 512.0, np.ones(n_channels))
+    for mode, pole in zip(found.decays[0].modes, poles, strict=True):
+        assert abs(mode.natural_freq - np.abs(pole) / 2.0 / np.pi) < 4.0 * mode.natural_freq_std
+        assert abs(mode.damping_ratio - ratio) < 4.0 * mode.damping_ratio_std
+    assert {cause.verdict for cause in (*found.damping_causes, *found.frequency_causes)} == {"steady"}
+
+
+def test_a_mode_that_slows_down_with_drag_is_not_taken_for_two():
+    t = np.arange(8192) / 512.0
+    signal = (np.cos(100.0 * np.pi * t) / (1.0 + 0.5 * t))[None]
+    found = identify([noisy(signal, 40.0, 0)], [0.0], 512.0, np.ones(1))
+    assert len(found.decays[0].modes) == 1
+    assert (found.damping_causes[0].verdict, found.damping_causes[0].law.power) == ("amplitude", 1.0)
+    assert found.frequency_causes[0].verdict == "steady"
+
+
+def test_heavy_damping_alone_makes_no_peak_and_is_found():
+    pole = 2.0 * np.pi * 30.0 * (1j * np.sqrt(1.0 - 0.15**2) - 0.15)
+    found = identify(
+        [noisy(ringing(np.array([pole]), np.ones((1, 1)), 512.0, 2048), 40.0, 0)], [0.0], 512.0, np.ones(1)
+    )
+    (mode,) = found.decays[0].modes
+    assert mode.natural_freq == pytest.approx(30.0, rel=1e-3)
+    assert mode.damping_ratio == pytest.approx(0.15, rel=5e-3)
+
+
+def test_a_named_mode_that_is_none_is_told_and_the_others_stay(decay):
+    found = identify([decay], [0.0], FS, np.ones(8), Settings(freqs=(60.0,)))
+    assert [m.natural_freq for m in found.decays[0].modes] == pytest.approx(np.abs(LIGHT) / 2.0 / np.pi, rel=1e-4)
+    assert "there is no mode about 60 Hz" in found.findings
+
+
+def test_a_tone_that_does_not_decay_is_told():
+    tone = np.sin(60.0 * np.pi * np.arange(4096) / 512.0)[None]
+    found = identify([noisy(tone, 40.0, 0)], [0.0], 512.0, np.ones(1))
+    assert any("hardly decays" in finding for finding in found.findings)
+
+
+def test_two_decays_share_their_modes_and_their_cause(decay):
+    weaker = noisy(0.3 * ringing(LIGHT, SHAPES, FS, 4 * 2048), 40.0, 1)
+    found = identify([decay, weaker], [0.0, 5.0], FS, np.ones(8))
+    assert [d.start for d in found.decays] == [0.0, 5.0]
+    assert {cause.verdict for cause in (*found.damping_causes, *found.frequency_causes)} == {"steady"}
 
 
 @pytest.mark.real_data
