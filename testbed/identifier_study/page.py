@@ -117,9 +117,10 @@ def _verification(study: Study) -> Iterator[str]:
         for name in ("ridge", "past_jumps", "smoother")
     )
     yield f"The article gives {bars} for its ridge, at a noise that it does not state."
-    yield f"At {QUIET:g} dB our plain ridge has {step.ridge:.4f} on the step: the smear of the jump and the noise together"
-    yield "allow no window of one width less. Windows that end at the jumps found have "
-    yield f"{step.past_jumps:.4f}. Against the ridge at 2^6.8 these are {gains}; the article's error fell by 16.49 %."
+    yield f"At {QUIET:g} dB our plain ridge has {step.ridge:.4f} on the step: the smear of the jump and the noise"
+    yield "together allow no window of one width less. Windows that end at the jumps found have"
+    yield f"{step.past_jumps:.4f}. Against the ridge at 2^6.8 these are {gains}; the article's error"
+    yield "fell by 16.49 %."
     yield f"From the old level to the new, less a tenth at either end: {tracking};"
     yield "the article's tracking time fell by 26.24 %."
     yield ""
