@@ -44,6 +44,9 @@ SPLIT, CLOSEST, NEAR, LEFT, LEAST_NEAR = 0.015, 5e-3, 0.05, 2.0, 8
 """A pole is split at this distance to either side, into modes that differ by the second share at least, where what is
 left within the third of it is denser than around by this factor; on fewer lines than the last nothing is split."""
 
+NAMED_DAMPING = 0.01
+"""Damping ratio from which a named mode is begun."""
+
 HIGHEST = 0.4
 """Share of the sampling rate up to which it is looked for."""
 
@@ -189,9 +192,10 @@ def identify(
     findings += [f"there is no mode about {freq:.4g} Hz" for freq in np.delete(freqs, kept)]
     poles, split = _split(first, rate, poles)
     findings += [f"{freq:.4g} Hz is two modes: one leaves too much beside it" for freq in split]
-    if not settings.freqs:
-        poles, hidden = _with_hidden(first, rate, poles, settings.band)
-        findings += [f"{freq:.4g} Hz is no peak, but what the others left rings there" for freq in hidden]
+    poles, missing = _with_named(first, rate, poles, settings.freqs)
+    findings += [f"there is no mode about {freq:.4g} Hz beside those found" for freq in missing]
+    poles, hidden = _with_hidden(first, rate, poles, settings.band)
+    findings += [f"{freq:.4g} Hz is no peak, but what the others left rings there" for freq in hidden]
     cuts = _cuts(spectrum, poles)
     found = []
     for signals, start in zip(decays, starts, strict=True):
@@ -282,7 +286,7 @@ def _in_band(found: Modes, band: tuple[float, float] | None) -> Modes:
 def _starting_points(
     spectrum: Modes, settings: Settings, signals: FloatArray, fs: float
 ) -> tuple[FloatArray, FloatArray]:
-    """(n,) frequencies and half-power widths to begin the fit from, Hz: those named, and the peaks beside them."""
+    """(n,) frequencies and half-power widths to begin the fit from, Hz: the peaks, or else those that are named."""
     low, high = LEAST_PERIODS * fs / signals.shape[1], 0.5 * fs
     for freq in settings.freqs:
         if not low <= freq < high:
@@ -291,11 +295,9 @@ def _starting_points(
                 f"modes of a decay of {signals.shape[1] / fs:.3g} s at {fs:.4g} Hz lie from {low:.3g} to {high:.4g} Hz",
                 "name another frequency with --mode, or take a longer stretch",
             )
-    named = [(freq, fs / signals.shape[1]) for freq in settings.freqs]
+    named = [(freq, fs / signals.shape[1]) for freq in sorted(settings.freqs)]
     seen = [(peak.frequency, peak.width) for peak in spectrum.peaks]
-    others = [peak for peak in seen if all(abs(peak[0] / freq - 1.0) > SAME for freq in settings.freqs)]
-    both = sorted(named + others) or [_strongest_line(signals, fs, settings.band)]
-    freqs, widths = np.array(both).T
+    freqs, widths = np.array(seen or named or [_strongest_line(signals, fs, settings.band)]).T
     return freqs, widths
 
 
@@ -361,6 +363,27 @@ def _fitted(
                 "name another frequency with --mode, or leave it out",
             )
         kept = np.delete(kept, wrong[np.argmin(explained[wrong])])
+
+
+def _with_named(signals: FloatArray, fs: float, poles: Poles, named: Sequence[float]) -> tuple[Poles, list[float]]:
+    """The poles with those named that are modes, and the frequencies about which there is none."""
+    missing: list[float] = []
+    for freq in sorted(named):
+        if np.abs(poles.natural_freqs / freq - 1.0).min() < SAME:
+            continue
+        try:
+            more = fit_poles(signals, fs, np.append(poles.values, 2.0 * np.pi * freq * (1j - NAMED_DAMPING)))
+        except InputError:
+            missing.append(freq)
+            continue
+        gain = signals.shape[1] * float(np.sum(np.log(poles.noise / more.noise)))
+        new = int(np.argmax(np.abs(more.values[:, None] - poles.values).min(axis=1)))
+        near = abs(more.natural_freqs[new] / freq - 1.0) < STRAYED and 0.0 < more.damping_ratios[new] < HEAVIEST
+        if near and gain > _price(signals.shape):
+            poles = more
+        else:
+            missing.append(freq)
+    return poles, missing
 
 
 def _explained(size: tuple[int, ...], fs: float, poles: Poles) -> FloatArray:

@@ -128,7 +128,7 @@ def test_heavy_damping_alone_makes_no_peak_and_is_found():
 def test_a_named_mode_that_is_none_is_told_and_the_others_stay(decay):
     found = identify([decay], [0.0], FS, np.ones(8), Settings(freqs=(60.0,)))
     assert [m.natural_freq for m in found.decays[0].modes] == pytest.approx(np.abs(LIGHT) / 2.0 / np.pi, rel=1e-4)
-    assert "there is no mode about 60 Hz" in found.findings
+    assert "there is no mode about 60 Hz beside those found" in found.findings
 
 
 def test_a_tone_that_does_not_decay_is_told():
