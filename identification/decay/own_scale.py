@@ -12,6 +12,9 @@ from models.arrays import FloatArray
 CENTRE_FREQUENCIES = 2.0 ** np.arange(2.25, 7.1, 0.25)
 """Among which the scale is chosen: omega_0 = a omega / fs from 4.8 to 128 radians."""
 
+POINTS = 4096
+"""Of the course that are blurred at least; direct sums over every sample would take most of an identification."""
+
 REACH = 6.0
 """Standard deviations of the window on either side that the record has to hold."""
 
@@ -43,6 +46,8 @@ def own_scale(fs: float, frequency: float, rate: FloatArray, noise_share: FloatA
     fitting = scales[scales * 2.0 * REACH < len(rate)]
     if not len(fitting):
         return max(min(float(scales[0]), len(rate) / (2.0 * REACH)), 1.0)
-    blur = [np.mean((gaussian_filter1d(rate, scale, mode="nearest") - rate) ** 2) for scale in fitting]
+    step = max(len(rate) // POINTS, 1)
+    coarse = rate[::step]
+    blur = [np.mean((gaussian_filter1d(coarse, scale / step, mode="nearest") - coarse) ** 2) for scale in fitting]
     noise = [np.mean(noise_of_rate(scale, fs, noise_share) ** 2) for scale in fitting]
     return float(fitting[int(np.argmin(np.add(blur, noise)))])
