@@ -8,11 +8,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
 
 from identification.decay.cause import Cause, Watched, find_cause
-from identification.decay.colour import left_over
 from identification.decay.course import NORMAL_95, UNTOLD, Told, integral_of
+from identification.decay.mode_search import search_modes
 from identification.decay.own_scale import own_scale
 from identification.decay.poles import Poles, fit_poles
 from identification.decay.ridge import Skeleton, follow_mode
@@ -21,34 +20,13 @@ from identification.progress import Progress
 from identification.signals.denoise import Denoised, denoise_ensemble, denoise_wavelet
 from identification.signals.peaks import Modes, cut_frequencies, find_modes
 from identification.signals.separate import separate
-from models.arrays import ComplexArray, FloatArray, IntArray
+from models.arrays import ComplexArray, FloatArray
 from models.errors import InputError
 
 DENOISING = ("none", "wavelet", "ensemble")
 
 RATE_PER_BAND = 2.6
 """Least sampling rate that is kept, in units of a band's upper edge."""
-
-HEAVIEST = 0.5
-"""A pole whose damping ratio is above this does not oscillate enough to be called a mode."""
-
-STRAYED = 0.2
-"""A pole that ends further than this share from the peak it began at is not that peak's."""
-
-MOST_HIDDEN = 3
-HIDDEN_DAMPING, HIDDEN_WIDTH, HIDDEN_APART = 0.1, 0.2, 0.1
-"""A mode that no peak shows is looked for with this damping ratio, in what the others leave, smoothed over this share
-of the lowest frequency; closer than the last share to another it is that other one, which changes."""
-
-SPLIT, CLOSEST, NEAR, LEFT, LEAST_NEAR = 0.015, 5e-3, 0.05, 2.0, 8
-"""A pole is split at this distance to either side, into modes that differ by the second share at least, where what is
-left within the third of it is denser than around by this factor; on fewer lines than the last nothing is split."""
-
-NAMED_DAMPING = 0.01
-"""Damping ratio from which a named mode is begun."""
-
-HIGHEST = 0.4
-"""Share of the sampling rate up to which it is looked for."""
 
 MATERIAL = {"damping": 2e-3, "frequency": 2e-5}
 """Shares of a value by which its intervals have to part for it to change: less is of no use, and modes that nobody
@@ -65,15 +43,6 @@ OTHER = 0.05
 
 HARDLY = 0.02
 """Np that a mode falls by over its decay at least, or it is told."""
-
-SAME = 0.03
-"""Share of its frequency within which a peak is the mode that was named."""
-
-PRICE_OF_FIRST = 3.0
-"""What a mode without a peak has to explain, in multiples of Schwarz's price: noise has many lines to choose from."""
-
-LEAST_PERIODS = 8.0
-"""Of the lowest mode in a decay."""
 
 
 @dataclass(frozen=True)
@@ -186,16 +155,9 @@ def identify(
     spectrum = _in_band(find_modes(decays[0], fs), settings.band)
     decays, rate, findings = _band(decays, fs, settings)
     first = decays[0] - decays[0].mean(axis=1, keepdims=True)
-    freqs, widths = _starting_points(spectrum, settings, first, rate)
-    progress(f"{len(freqs)} modes: {', '.join(f'{freq:.4g}' for freq in freqs)} Hz")
-    poles, kept = _fitted(first, rate, freqs, widths, settings.freqs)
-    findings += [f"there is no mode about {freq:.4g} Hz" for freq in np.delete(freqs, kept)]
-    poles, split = _split(first, rate, poles)
-    findings += [f"{freq:.4g} Hz is two modes: one leaves too much beside it" for freq in split]
-    poles, missing = _with_named(first, rate, poles, settings.freqs)
-    findings += [f"there is no mode about {freq:.4g} Hz beside those found" for freq in missing]
-    poles, hidden = _with_hidden(first, rate, poles, settings.band)
-    findings += [f"{freq:.4g} Hz is no peak, but what the others left rings there" for freq in hidden]
+    poles, decided = search_modes(first, rate, spectrum, settings.freqs, settings.band)
+    findings += decided
+    progress(f"{len(poles.values)} modes: {', '.join(f'{freq:.4g}' for freq in poles.natural_freqs)} Hz")
     cuts = _cuts(spectrum, poles)
     found = []
     for signals, start in zip(decays, starts, strict=True):
@@ -283,198 +245,12 @@ def _in_band(found: Modes, band: tuple[float, float] | None) -> Modes:
     return replace(found, peaks=tuple(peak for peak in found.peaks if band[0] < peak.frequency < band[1]))
 
 
-def _starting_points(
-    spectrum: Modes, settings: Settings, signals: FloatArray, fs: float
-) -> tuple[FloatArray, FloatArray]:
-    """(n,) frequencies and half-power widths to begin the fit from, Hz: the peaks, or else those that are named."""
-    low, high = LEAST_PERIODS * fs / signals.shape[1], 0.5 * fs
-    for freq in settings.freqs:
-        if not low <= freq < high:
-            raise InputError(
-                f"a mode about {freq:g} Hz",
-                f"modes of a decay of {signals.shape[1] / fs:.3g} s at {fs:.4g} Hz lie from {low:.3g} to {high:.4g} Hz",
-                "name another frequency with --mode, or take a longer stretch",
-            )
-    named = [(freq, fs / signals.shape[1]) for freq in sorted(settings.freqs)]
-    seen = [(peak.frequency, peak.width) for peak in spectrum.peaks]
-    freqs, widths = np.array(seen or named or [_strongest_line(signals, fs, settings.band)]).T
-    return freqs, widths
-
-
-def _inside(band: tuple[float, float] | None, fs: float) -> tuple[float, float]:
-    """Frequencies between which a mode without a peak is looked for, away from where a band was cut, Hz."""
-    if band is None:
-        return 0.0, HIGHEST * fs
-    return band[0] * (1.0 + HIDDEN_APART), band[1] * (1.0 - HIDDEN_APART)
-
-
-def _strongest_line(signals: FloatArray, fs: float, band: tuple[float, float] | None) -> tuple[float, float]:
-    """Frequency and width of what rings most where no peak stands out, if a heavily damped mode explains it.
-
-    Raises:
-        InputError: none does.
-    """
-    n = signals.shape[1]
-    low, high = _inside(band, fs)
-    lines = np.fft.rfftfreq(n, 1.0 / fs)
-    power = np.sum(np.abs(np.fft.rfft(signals, axis=1)) ** 2, axis=0)
-    smooth = uniform_filter1d(power, 5)
-    inside = (lines > max(low, LEAST_PERIODS * fs / n)) & (lines < high)
-    freq = float(lines[inside][np.argmax(smooth[inside])]) if inside.any() else 0.0
-    if freq > 0.0:
-        one = fit_poles(signals, fs, [2.0 * np.pi * freq * (1j - HIDDEN_DAMPING)])
-        gain = n * float(np.sum(np.log(signals.std(axis=1) / one.noise)))
-        sound = 0.0 < one.damping_ratios[0] < HEAVIEST and abs(one.natural_freqs[0] / freq - 1.0) < STRAYED
-        if sound and gain > PRICE_OF_FIRST * _price(signals.shape):
-            return float(one.natural_freqs[0]), 2.0 * float(one.natural_freqs[0] * one.damping_ratios[0])
-    where = "" if band is None else f" between {band[0]:g} and {band[1]:g} Hz"
-    raise InputError(
-        f"a decay in which no mode stands out of the noise{where}",
-        "a mode is a peak of the spectrum that noise alone reaches in one of a thousand records, or rings by itself",
-        "name the modes with --mode, or another stretch with --from and --to",
-    )
-
-
-def _fitted(
-    signals: FloatArray, fs: float, freqs: FloatArray, widths: FloatArray, named: Sequence[float]
-) -> tuple[Poles, IntArray]:
-    """Poles that stay, and the frequencies that they began from; one that leads to no mode is dropped."""
-    kept = np.arange(len(freqs))
-    if signals.shape[1] / fs * freqs.min() < LEAST_PERIODS:
-        raise InputError(
-            f"a decay of {signals.shape[1] / fs:.3g} s for a mode at {freqs.min():.4g} Hz",
-            f"a mode is followed over {LEAST_PERIODS:g} periods or more",
-            "take a longer stretch, or leave the mode out with --band",
-        )
-    while True:
-        begin = np.asarray(2.0 * np.pi * (1j * freqs[kept] - 0.5 * widths[kept]))
-        poles = fit_poles(signals, fs, begin)
-        astray = np.abs(poles.natural_freqs / freqs[kept] - 1.0) > STRAYED
-        explained = _explained(signals.shape, fs, poles)
-        faint = np.isin(freqs[kept], named) & (explained < _price(signals.shape))
-        wrong = np.flatnonzero(astray | faint | (poles.damping_ratios > HEAVIEST))
-        if not len(wrong):
-            return poles, kept
-        if len(kept) == 1:
-            went = f"{poles.natural_freqs[0]:.4g} Hz with a damping ratio of {poles.damping_ratios[0]:.2g}"
-            raise InputError(
-                f"no mode about {freqs[kept[0]]:.4g} Hz",
-                f"the fit that began there went to {went}, or explains no more than noise would",
-                "name another frequency with --mode, or leave it out",
-            )
-        kept = np.delete(kept, wrong[np.argmin(explained[wrong])])
-
-
-def _with_named(signals: FloatArray, fs: float, poles: Poles, named: Sequence[float]) -> tuple[Poles, list[float]]:
-    """The poles with those named that are modes, and the frequencies about which there is none."""
-    missing: list[float] = []
-    for freq in sorted(named):
-        if np.abs(poles.natural_freqs / freq - 1.0).min() < SAME:
-            continue
-        try:
-            more = fit_poles(signals, fs, np.append(poles.values, 2.0 * np.pi * freq * (1j - NAMED_DAMPING)))
-        except InputError:
-            missing.append(freq)
-            continue
-        gain = signals.shape[1] * float(np.sum(np.log(poles.noise / more.noise)))
-        new = int(np.argmax(np.abs(more.values[:, None] - poles.values).min(axis=1)))
-        near = abs(more.natural_freqs[new] / freq - 1.0) < STRAYED and 0.0 < more.damping_ratios[new] < HEAVIEST
-        if near and gain > _price(signals.shape):
-            poles = more
-        else:
-            missing.append(freq)
-    return poles, missing
-
-
-def _explained(size: tuple[int, ...], fs: float, poles: Poles) -> FloatArray:
-    """(n_modes,) log-likelihood that each mode brings by itself: half its energy over the noise's."""
-    energy = 0.5 * np.sum(np.exp(2.0 * poles.values.real[:, None] * np.arange(size[1]) / fs), axis=1)
-    return np.asarray(0.5 * energy * np.sum(np.abs(poles.shapes) ** 2 / poles.noise**2, axis=1))
-
-
-def _price(size: tuple[int, ...]) -> float:
-    """What a further mode has to explain. Source: Schwarz, Ann. Stat. 6 (1978) 461."""
-    return float((1.0 + size[0]) * np.log(size[0] * size[1]))
-
-
-def _split(signals: FloatArray, fs: float, poles: Poles) -> tuple[Poles, list[float]]:
-    """The poles, those of them in two that are two modes nearer than their peaks can be told apart.
-
-    Two modes are taken for one if they leave nothing there beyond the noise around, and differ in frequency: a mode
-    that changes leaves more, or splits into one frequency twice.
-    """
-    found: list[float] = []
-    for freq in poles.natural_freqs.tolist():
-        if _left_at(signals, fs, poles, freq) < LEFT:
-            continue
-        m = int(np.argmin(np.abs(poles.natural_freqs - freq)))
-        pole = complex(poles.values[m])
-        pair = [1j * pole.imag * (1.0 + side * SPLIT) + 0.5 * pole.real for side in (-1.0, 1.0)]
-        try:
-            more = fit_poles(signals, fs, [*np.delete(poles.values, m), *pair])
-        except InputError:
-            continue
-        gaps = np.diff(more.natural_freqs) / more.natural_freqs[:-1]
-        sound = gaps.min() > CLOSEST and more.damping_ratios.min() > 0.0 and more.damping_ratios.max() < HEAVIEST
-        if sound and _left_at(signals, fs, more, freq) < LEFT:
-            found.append(freq)
-            poles = more
-    return poles, found
-
-
-def _left_at(signals: FloatArray, fs: float, poles: Poles, freq: float) -> float:
-    """How dense what the poles leave is about a frequency, in multiples of its density around."""
-    n = signals.shape[1]
-    waves = np.exp(poles.values[:, None] * np.arange(n) / fs)
-    left = left_over(signals, waves)
-    power = np.sum(np.abs(np.fft.rfft(left / poles.noise[:, None], axis=1)) ** 2, axis=0)
-    lines = np.fft.rfftfreq(n, 1.0 / fs)
-    near = np.abs(lines / freq - 1.0) < NEAR
-    around = (np.abs(np.log2(np.maximum(lines, 1e-9) / freq)) < 1.0) & ~near
-    for other in poles.natural_freqs:
-        around &= np.abs(lines / other - 1.0) > NEAR
-    if np.count_nonzero(near) < LEAST_NEAR or np.count_nonzero(around) < LEAST_NEAR:
-        return 0.0
-    return float(np.mean(power[near]) / np.mean(power[around]))
-
-
 def _without_offset(signals: FloatArray, fs: float, poles: Poles) -> FloatArray:
     """Without the channels' constants, told from the decay itself, whose mean is not 0."""
-    waves = np.exp(poles.values[:, None] * np.arange(signals.shape[1]) / fs)
+    waves = poles.waves(signals.shape[1], fs)
     basis = np.concatenate([waves.real, waves.imag, np.ones((1, signals.shape[1]))])
     numbers = np.linalg.lstsq(basis @ basis.T, basis @ signals.T, rcond=None)[0]
     return np.asarray(signals - numbers[-1][:, None])
-
-
-def _with_hidden(
-    signals: FloatArray, fs: float, poles: Poles, band: tuple[float, float] | None
-) -> tuple[Poles, list[float]]:
-    """The poles and those of heavily damped modes that no peak shows, each paid for by what it explains."""
-    n = signals.shape[1]
-    low, high = _inside(band, fs)
-    found: list[float] = []
-    while len(found) < MOST_HIDDEN:
-        waves = np.exp(poles.values[:, None] * np.arange(n) / fs)
-        power = np.sum(np.abs(np.fft.rfft(left_over(signals, waves) / poles.noise[:, None], axis=1)) ** 2, axis=0)
-        lines = np.fft.rfftfreq(n, 1.0 / fs)
-        smooth = uniform_filter1d(power, max(round(HIDDEN_WIDTH * poles.natural_freqs[0] * n / fs), 3))
-        inside = (lines > max(low, LEAST_PERIODS * fs / n)) & (lines < high)
-        freq = float(lines[inside][np.argmax(smooth[inside])])
-        begin = np.append(poles.values, 2.0 * np.pi * freq * (1j - HIDDEN_DAMPING))
-        try:
-            more = fit_poles(signals, fs, begin)
-        except InputError:
-            break
-        gain = n * float(np.sum(np.log(poles.noise / more.noise)))
-        new = int(np.argmax(np.abs(more.values[:, None] - poles.values).min(axis=1)))
-        apart = np.abs(np.delete(more.natural_freqs, new) / more.natural_freqs[new] - 1.0).min()
-        within = low < more.natural_freqs[new] < high
-        sound = within and apart > HIDDEN_APART and 0.0 < more.damping_ratios[new] < HEAVIEST
-        if gain < _price(signals.shape) or not sound:
-            break
-        found.append(float(more.natural_freqs[new]))
-        poles = more
-    return poles, found
 
 
 def _cuts(spectrum: Modes, poles: Poles) -> FloatArray:

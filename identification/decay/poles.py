@@ -71,10 +71,25 @@ class Poles:
         across = np.sin(angle) ** 2 * s + np.cos(angle) ** 2 * w - 2.0 * np.sin(angle) * np.cos(angle) * sw
         return np.sqrt(across) * np.abs(np.sin(angle)) / np.abs(self.values)
 
+    def waves(self, n_samples: int, fs: float) -> ComplexArray:
+        """(n_modes, n_samples) exp(values t) from the first sample on."""
+        return waves_of(self.values, n_samples, fs)
+
     def _variances(self) -> tuple[FloatArray, tuple[FloatArray, FloatArray, FloatArray]]:
         n = len(self.values)
         C = self.covariance
         return np.angle(self.values), (np.diag(C)[:n], np.diag(C)[n:], np.diag(C[:n, n:]))
+
+
+def waves_of(values: ComplexArray, n_samples: int, fs: float) -> ComplexArray:
+    """(n_modes, n_samples) exp(values t) from the first sample on.
+
+    Args:
+        values: (n_modes,) poles, 1/s.
+        n_samples: of the record.
+        fs: Hz.
+    """
+    return np.asarray(np.exp(values[:, None] * (np.arange(n_samples) / fs)))
 
 
 def fit_poles(signals: FloatArray, fs: float, start: Sequence[complex] | ComplexArray) -> Poles:
@@ -131,8 +146,8 @@ def fit_poles(signals: FloatArray, fs: float, start: Sequence[complex] | Complex
             break
     weights = (n_samples - 2 * len(poles)) / state.left
     _, curvature = _normal(state, weights)
-    waves = np.exp(poles[:, None] * np.arange(n_samples) / fs)
-    deviation = np.sqrt(np.tile(noise_colour(left_over(signals, waves), fs, np.abs(poles) / (2.0 * np.pi)), 2))
+    residual = left_over(signals, waves_of(poles, n_samples, fs))
+    deviation = np.sqrt(np.tile(noise_colour(residual, fs, np.abs(poles) / (2.0 * np.pi)), 2))
     covariance = _solve(curvature, np.eye(2 * len(poles))) * np.outer(deviation, deviation)
     noise = np.sqrt(state.left / (n_samples - 2 * len(poles) - 2 * len(poles) / n_channels))
     order = np.argsort(poles.imag)
@@ -163,7 +178,7 @@ class _State:
 def _state(signals: FloatArray, fs: float, poles: ComplexArray) -> _State:
     n = len(poles)
     t = np.arange(signals.shape[1]) / fs
-    waves = np.exp(poles[:, None] * t)
+    waves = waves_of(poles, signals.shape[1], fs)
     basis = np.concatenate([waves.real, -waves.imag])
     both = np.concatenate([basis, t * basis])
     gram, projections = both @ both.T, both @ signals.T

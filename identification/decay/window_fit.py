@@ -2,12 +2,10 @@
 
 import numpy as np
 
-from identification.decay.poles import Poles, fit_poles
+from identification.decay.blocks import CLEAR
+from identification.decay.poles import Poles, fit_poles, waves_of
 from models.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from models.errors import InputError
-
-CLEAR = 0.1
-"""Error of a mode's amplitude as a share of it, above which the mode has drowned; as in ``blocks``."""
 
 ASTRAY = 0.5
 """Share of the way to the nearest mode that a natural frequency may move."""
@@ -54,7 +52,7 @@ def standing_out(signals: FloatArray, fs: float, poles: ComplexArray) -> BoolArr
     n, n_samples = len(poles), signals.shape[1]
     if n_samples < 4 * n:
         return np.zeros(n, bool)
-    waves = np.exp(poles[:, None] * (np.arange(n_samples) / fs))
+    waves = waves_of(poles, n_samples, fs)
     basis = np.concatenate([waves.real, -waves.imag])
     covariance = np.linalg.pinv(basis @ basis.T, hermitian=True)
     numbers = covariance @ (basis @ signals.T)
