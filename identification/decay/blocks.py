@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from identification.decay.poles import ROUNDING
 from identification.decay.walk import Points
 from models.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 
@@ -32,9 +33,6 @@ FINEST = 1e-6
 
 DROWNED = -200.0
 """Np below which a path's level makes no difference any more."""
-
-ROUNDING = 1e-26
-"""Share of a channel's energy that counts as noise at least, far below any recorder's."""
 
 CLEAR = 0.1
 """Error of a block's amplitude as a share of it, below which the logarithm is taken and not its tangent."""

@@ -10,12 +10,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from identification.decay.cause import Cause, Watched, find_cause
-from identification.decay.course import NORMAL_95, UNTOLD, Told, integral_of
+from identification.decay.course import UNTOLD, Told, integral_of
 from identification.decay.mode_search import search_modes
 from identification.decay.own_scale import own_scale
 from identification.decay.poles import Poles, fit_poles
 from identification.decay.ridge import Skeleton, follow_mode
-from identification.decay.smoother import Interval, SmoothedMode, smooth_decay
+from identification.decay.smoother import SmoothedMode, smooth_decay
 from identification.progress import Progress
 from identification.signals.denoise import Denoised, denoise_ensemble, denoise_wavelet
 from identification.signals.peaks import Modes, cut_frequencies, find_modes
@@ -74,7 +74,8 @@ class ModeInDecay:
         natural_freq_std, damping_ratio_std: standard deviations of these.
         shape: (n_channels,) complex amplitudes at the decay's first sample, in the channels' units.
         smoothed: frequency and damping over time with intervals.
-        skeleton: the same from the wavelet ridge.
+        signal: (n_seen,) the mode alone, while it is seen, in the unit of the channel in which it is strongest.
+        skeleton: the same course from the wavelet ridge.
         watched_decay, watched_turning: what the causes were asked about.
     """
 
@@ -84,9 +85,15 @@ class ModeInDecay:
     damping_ratio_std: float
     shape: ComplexArray
     smoothed: SmoothedMode
+    signal: FloatArray
     skeleton: Skeleton
     watched_decay: Watched
     watched_turning: Watched
+
+    @property
+    def ridge_freq(self) -> FloatArray:
+        """(n_seen,) natural frequency along the ridge, whose own is damped, Hz."""
+        return np.asarray(self.skeleton.frequency / np.sqrt(1.0 - self.damping_ratio**2))
 
 
 @dataclass(frozen=True, eq=False)
@@ -275,21 +282,14 @@ def _decay(
     modes = []
     for m, mode in enumerate(smoothed):
         progress(f"mode {m + 1}: {mode.natural_freq.value[0]:.4g} Hz followed over {mode.decay.times[-1]:.3g} s")
-        skeleton = _ridge(alone(signals, fs, poles, cuts, m), fs, mode)
-        modes.append(_mode(mode, skeleton, poles, m))
+        seen = int(np.ceil(mode.blocks.edges[-1] * fs))
+        signal = _alone(signals, fs, poles, cuts, m)[:seen]
+        modes.append(_mode(mode, signal, _ridge(signal, fs, mode), poles.shapes[m]))
     return Decay(start, fs, signals, poles, tuple(modes))
 
 
-def alone(signals: FloatArray, fs: float, poles: Poles, cuts: FloatArray, mode: int) -> FloatArray:
-    """(N,) one mode: the channels added up along its shape, in the strongest one's unit, then cut out of the others.
-
-    Args:
-        signals: (n_channels, N).
-        fs: Hz.
-        poles: of all modes.
-        cuts: (n_modes - 1,) Hz, between the modes.
-        mode: which.
-    """
+def _alone(signals: FloatArray, fs: float, poles: Poles, cuts: FloatArray, mode: int) -> FloatArray:
+    """(N,) one mode: the channels added up along its shape, in the strongest one's unit, then cut out of the others."""
     shape = poles.shapes[mode]
     turned = (shape * np.exp(-1j * np.angle(shape[np.argmax(np.abs(shape))]))).real
     weights = turned / poles.noise**2
@@ -301,37 +301,31 @@ def alone(signals: FloatArray, fs: float, poles: Poles, cuts: FloatArray, mode: 
 
 
 def _ridge(signal: FloatArray, fs: float, mode: SmoothedMode) -> Skeleton:
-    """The skeleton at the scale that suits the mode's course and noise, for as long as the mode is seen."""
+    """The skeleton at the scale that suits the mode's course and noise."""
     blocks = mode.blocks
-    seen = min(int(np.ceil(blocks.edges[-1] * fs)), len(signal))
-    time = np.arange(seen) / fs
+    time = np.arange(len(signal)) / fs
     share = np.interp(time, blocks.times, np.sqrt(0.5 * blocks.variances * np.diff(blocks.edges) * fs))
     turning = mode.turning.at(time) / (2.0 * np.pi)
     scale = own_scale(fs, float(np.median(turning)), mode.decay.at(time), share)
     steady = np.ptp(turning) < AROUND_RIDGE * fs / (2.0 * np.pi * scale)
-    return follow_mode(signal[:seen], fs, float(np.median(turning)) if steady else turning, scale)
+    return follow_mode(signal, fs, float(np.median(turning)) if steady else turning, scale)
 
 
-def _std_of_mean(course: Interval, times: FloatArray, trust: FloatArray) -> float:
-    """Of a weighted mean along a course, its errors taken to be the same everywhere: an upper bound."""
-    half = np.interp(times, course.times, 0.5 * (course.high - course.low))
-    return float(np.average(half, weights=trust)) / NORMAL_95
-
-
-def _mode(mode: SmoothedMode, skeleton: Skeleton, poles: Poles, m: int) -> ModeInDecay:
+def _mode(mode: SmoothedMode, signal: FloatArray, skeleton: Skeleton, shape: ComplexArray) -> ModeInDecay:
     blocks = mode.blocks
-    trust = 1.0 / blocks.variances
+    (freq, freq_std), (ratio, ratio_std) = mode.mean_of(mode.natural_freq), mode.mean_of(mode.damping_ratio)
     log_amplitude = integral_of(mode.decay.times, mode.decay.rate, blocks.times)
     strongest = float(np.log(np.abs(blocks.shape).max()))
     scale = float(np.abs(mode.decay.rate).max())
     turning_scale = max(scale, float(np.ptp(mode.turning.rate)))
     return ModeInDecay(
-        float(np.average(mode.natural_freq.at(blocks.times), weights=trust)),
-        float(np.average(mode.damping_ratio.at(blocks.times), weights=trust)),
-        _std_of_mean(mode.natural_freq, blocks.times, trust),
-        _std_of_mean(mode.damping_ratio, blocks.times, trust),
-        poles.shapes[m],
+        freq,
+        ratio,
+        freq_std,
+        ratio_std,
+        shape,
         mode,
+        signal,
         skeleton,
         Watched(mode.decay_points, log_amplitude + strongest, scale),
         Watched(mode.turning_points, log_amplitude + strongest, turning_scale),

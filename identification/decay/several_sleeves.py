@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from identification.decay.sleeve_damping import NORMAL_95
+from identification.decay.course import NORMAL_95
 from identification.decay.sleeve_poles import Dashpots, nearest_modes, ratio_slopes, ratios_of
 from models.arrays import FloatArray
 from models.errors import InputError

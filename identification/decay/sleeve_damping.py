@@ -12,6 +12,7 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import linear_sum_assignment
 from scipy.stats import chi2
 
+from identification.decay.course import NORMAL_95
 from identification.decay.sleeve_poles import Dashpots, nearest_modes, ratio_slopes, ratios_of
 from models.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from models.errors import InputError
@@ -35,7 +36,6 @@ CONTRADICTION = 0.0027
 AS_GOOD = 4.0
 """Two dampings whose sums of squares differ by less, two standard deviations, explain the ratios alike."""
 
-NORMAL_95 = 1.959964
 REFINEMENTS = 8
 TINY = float(np.finfo(float).tiny)
 

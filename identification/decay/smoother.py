@@ -11,7 +11,7 @@ import numpy as np
 
 from identification.decay.blocks import LEAST_BLOCKS, MOST_BLOCKS, Deviations, block_edges, deviations
 from identification.decay.colour import left_over, noise_colour
-from identification.decay.course import UNTOLD, Course, Told, Weighed, integral_of, weigh
+from identification.decay.course import NORMAL_95, UNTOLD, Course, Told, Weighed, integral_of, weigh
 from identification.decay.poles import Poles
 from identification.decay.walk import Points
 from models.arrays import ComplexArray, FloatArray, IntArray
@@ -82,6 +82,19 @@ class SmoothedMode:
             -rate / np.hypot(rate, omega) for rate in (self.decay.rate, self.decay.high, self.decay.low)
         )
         return Interval(times, value, low, high)
+
+    def mean_of(self, course: Interval) -> tuple[float, float]:
+        """Mean of a course, each block weighted by what it tells, and an upper bound on its standard deviation.
+
+        The bound takes the course's errors to be the same everywhere.
+
+        Args:
+            course: of this mode.
+        """
+        times, trust = self.blocks.times, 1.0 / self.blocks.variances
+        half = np.interp(times, course.times, 0.5 * (course.high - course.low))
+        mean, spread = np.average(course.at(times), weights=trust), np.average(half, weights=trust)
+        return float(mean), float(spread) / NORMAL_95
 
 
 def smooth_decay(

@@ -119,8 +119,7 @@ def mode_figure(mode: ModeInDecay, scalogram: Scalogram, title: str, unit: str, 
     plot_scalogram(axes[0, 0], scalogram, end)
     plot_skeleton(axes[0, 1], mode, end, unit)
     frequency, damping = mode.smoothed.natural_freq, mode.smoothed.damping_ratio
-    natural = mode.skeleton.frequency / np.sqrt(1.0 - mode.damping_ratio**2)
-    plot_course(axes[1, 0], frequency, mode.skeleton.time, natural, LEAST_FREQUENCY)
+    plot_course(axes[1, 0], frequency, mode.skeleton.time, mode.ridge_freq, LEAST_FREQUENCY)
     plot_course(axes[1, 1], damping, mode.skeleton.time, mode.skeleton.damping_ratio, LEAST_DAMPING)
     if truth is not None:
         axes[1, 0].plot(truth.times, truth.natural_freq, color=TRUTH, linestyle="--", linewidth=1.0, label="truth")

@@ -10,7 +10,7 @@ import numpy as np
 from identification.decay.cramer_rao import poles_bound
 from identification.decay.poles import Poles, fit_poles
 from identification.decay.ridge import follow_mode
-from identification.decay.smoother import SmoothedMode, smooth_decay
+from identification.decay.smoother import smooth_decay
 from identification.signals.separate import separate
 from models.arrays import ComplexArray, FloatArray
 
@@ -106,20 +106,12 @@ def cell_of(snr_db: float, ratio: float, spacing: float | None, seeds: int) -> C
 def _estimates(measured: FloatArray, values: ComplexArray, freqs: FloatArray) -> dict[str, tuple[float, float] | None]:
     """Frequency and damping ratio of the first mode by each estimator, begun 0.2 % off."""
     poles = fit_poles(measured, FS, values * 1.002)
+    mode = smooth_decay(measured, FS, poles, np.ones(1))[0]
     return {
         "poles": (float(poles.natural_freqs[0]), float(poles.damping_ratios[0])),
-        "smoother": _of_smoother(smooth_decay(measured, FS, poles, np.ones(1))[0]),
+        "smoother": (mode.mean_of(mode.natural_freq)[0], mode.mean_of(mode.damping_ratio)[0]),
         "ridge": _of_ridge(measured[0], poles, freqs),
     }
-
-
-def _of_smoother(mode: SmoothedMode) -> tuple[float, float]:
-    """Means over the blocks, each weighted by what it tells."""
-    times, trust = mode.blocks.times, 1.0 / mode.blocks.variances
-    return (
-        float(np.average(mode.natural_freq.at(times), weights=trust)),
-        float(np.average(mode.damping_ratio.at(times), weights=trust)),
-    )
 
 
 def _of_ridge(measured: FloatArray, poles: Poles, freqs: FloatArray) -> tuple[float, float] | None:

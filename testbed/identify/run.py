@@ -8,7 +8,7 @@ import numpy as np
 
 from identification.decay.cause import Cause
 from identification.decay.damping_terms import shares_of, three_terms
-from identification.decay.identify import Decay, Identification, ModeInDecay, Settings, alone, identify
+from identification.decay.identify import Decay, Identification, ModeInDecay, Settings, identify
 from identification.decay.ridge import find_ridge
 from identification.decay.smoother import Interval
 from identification.decay.wavelet import morlet_transform
@@ -205,7 +205,7 @@ def _ridge_json(mode: ModeInDecay) -> Json:
         "window": skeleton.window,
         "time": skeleton.time[every],
         "amplitude": skeleton.amplitude[every],
-        "frequency": skeleton.frequency[every] / np.sqrt(1.0 - mode.damping_ratio**2),
+        "frequency": mode.ridge_freq[every],
         "damping_ratio": skeleton.damping_ratio[every],
     }
 
@@ -246,19 +246,16 @@ def _draw(found: Identification, decays: Decays, stage: Path) -> None:
     for d, m, name in names_of(len(found.decays), len(found.cuts) + 1):
         decay = found.decays[d]
         mode = decay.modes[m]
-        shown = _scalogram(decay, found, m)
+        shown = _scalogram(mode, decay.fs)
         which = f"decay {d + 1} from {decay.start:.3g} s, " if len(found.decays) > 1 else ""
         title = f"{decays.channels.name}: {which}mode {m + 1}, {mode.natural_freq:.4g} Hz"
         save(mode_figure(mode, shown, title, unit), folder, name)
 
 
-def _scalogram(decay: Decay, found: Identification, mode: int) -> Scalogram:
-    """The transform of one mode's signal about its frequency, while it is seen, in as many columns as are drawn."""
-    around = decay.modes[mode].natural_freq * np.linspace(1.0 - SHOWN_BAND, 1.0 + SHOWN_BAND, SHOWN_FREQUENCIES)
-    frequencies = around[around < HIGHEST_SHOWN * decay.fs]
-    seen = int(np.ceil(decay.modes[mode].smoothed.decay.times[-1] * decay.fs)) + 1
-    signal = alone(decay.signals, decay.fs, decay.poles, found.cuts, mode)
-    values = morlet_transform(signal, decay.fs, frequencies)[:, :seen]
-    step = max(values.shape[1] // SHOWN_TIMES, 1)
-    shown = values[:, ::step]
-    return Scalogram(np.arange(values.shape[1])[::step] / decay.fs, frequencies, shown, find_ridge(shown, frequencies))
+def _scalogram(mode: ModeInDecay, fs: float) -> Scalogram:
+    """The transform of one mode's signal about its frequency, in as many columns as are drawn."""
+    around = mode.natural_freq * np.linspace(1.0 - SHOWN_BAND, 1.0 + SHOWN_BAND, SHOWN_FREQUENCIES)
+    frequencies = around[around < HIGHEST_SHOWN * fs]
+    step = max(len(mode.signal) // SHOWN_TIMES, 1)
+    shown = morlet_transform(mode.signal, fs, frequencies)[:, ::step]
+    return Scalogram(mode.skeleton.time[::step], frequencies, shown, find_ridge(shown, frequencies))
