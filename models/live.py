@@ -17,12 +17,11 @@ from models.band_limit import STOP_EDGE
 from models.drive import STILL, Drive
 from models.effects.protocol import Measurement
 from models.errors import DivergenceError, InputError
-from models.linear import ORDER_READ, sensor_rows
 from models.live_band import CHANNEL_REACH, FORCE_REACH, LiveRecorder, continue_before, force_kernels, raise_block
 from models.live_checks import check_change, check_live, check_rest, check_steps, damped
 from models.modal import ModalModel, build_modal
 from models.plant import Plant
-from models.simulate import FORCE_TOLERANCE, load_of, steps_per_sample
+from models.simulate import FORCE_TOLERANCE, load_of, output_rows, steps_per_sample
 from models.step_tables import items_of, linear_of
 from models.stepping import Items, Linear, Memory, Reading, march_on
 
@@ -127,9 +126,7 @@ class LiveModel:
         load = load_of(model, Drive(np.array([peak]), None, STILL, None))
         factor = steps or steps_per_sample(model, fs, load)
         system, linear, _ = linear_of(model, Drive(np.zeros(1), None, STILL, None), 1.0 / (factor * fs))
-        order = np.array([ORDER_READ[sensor.quantity] for sensor in plant.sensors], int)
-        shapes = sensor_rows(model, plant.sensors)
-        rows = np.where(order[:, None] > 0, system.velocity(shapes), system.displacement(shapes))
+        rows = output_rows(model, system, plant.sensors)
         from_rate = tuple(int(sensor.quantity == "acceleration") for sensor in plant.sensors)
         recorder, items = LiveRecorder(reach, factor, fs, from_rate), items_of(model)
         motion = _Motion(

@@ -170,8 +170,14 @@ def _sensors_of(plant: Plant, record: Record) -> tuple[Sensor, ...]:
     return tuple(by_name[name] for name in record.sensors)
 
 
-def _output_rows(model: ModalModel, system: Blocks, sensors: tuple[Sensor, ...]) -> FloatArray:
-    """(n_sensors, 2n) velocity for accelerations and velocities, slope rate for gyroscopes, displacement."""
+def output_rows(model: ModalModel, system: Blocks, sensors: tuple[Sensor, ...]) -> FloatArray:
+    """(n_sensors, 2n) velocity for accelerations and velocities, slope rate for gyroscopes, displacement.
+
+    Args:
+        model: that moves.
+        system: its state.
+        sensors: what is read.
+    """
     rows = np.empty((len(sensors), len(system.from_modal)))
     for i, sensor in enumerate(sensors):
         shape = model.rows(sensor.position, 1 if sensor.quantity == "angular_velocity" else 0)
@@ -203,7 +209,7 @@ def _march(
     out = np.empty((len(sensors), n_steps + 1))
     trace = np.empty((n_steps + 1 if keep_trace else 0, 2 * len(model.ports) + len(items.port)))
     state = np.zeros(len(system.from_modal)) if start is None else system.from_modal @ _resized(start, model.n)
-    rows = Reading.of(_output_rows(model, system, sensors))
+    rows = Reading.of(output_rows(model, system, sensors))
     done = march(linear, items, inputs, drive.base_motion, state, rows, out, trace, tolerance)
     if done < n_steps:
         raise DivergenceError(

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from identification.decay.free import ABOVE_QUIET, LOOK_BACK, LOUD, NEVER_QUIET, OF_PEAK, ONSET, QUIET_SHARE
+from identification.decay.free import LOOK_BACK, LOUD, ONSET, QUIET_SHARE, acting_level
 from identification.decay.poles import Poles
 from models.arrays import FloatArray
 
@@ -40,9 +40,7 @@ class ForceWatch:
         self._peak = max(self._peak, float(np.abs(force).max()))
         self._loudest = max(self._loudest, level)
         quiet = float(np.percentile(self._levels, QUIET_SHARE))
-        if quiet > NEVER_QUIET * self._loudest:
-            return len(force) - 1
-        acting = np.flatnonzero(np.abs(force) > max(ABOVE_QUIET * quiet, OF_PEAK * self._peak))
+        acting = np.flatnonzero(np.abs(force) > acting_level(quiet, self._loudest, self._peak))
         return int(acting[-1]) if acting.size else None
 
 

@@ -44,6 +44,17 @@ def free_stretches(
     return [stretch for stretch, loud in zip(long, loudness, strict=True) if loud > RINGS * max(loudness)]
 
 
+def acting_level(quiet: float, loudest: float, peak: float) -> float:
+    """Magnitude above which an excitation acts; below 0, so that it always does, where it is never quiet.
+
+    Args:
+        quiet: its quiet level, rms.
+        loudest: the largest level, rms.
+        peak: its largest magnitude.
+    """
+    return -1.0 if quiet > NEVER_QUIET * loudest else max(ABOVE_QUIET * quiet, OF_PEAK * peak)
+
+
 def _loudest(responses: FloatArray) -> float:
     """Largest rms of a twentieth of a stretch, in any channel."""
     pieces = np.array_split(responses, 20, axis=1)
@@ -54,10 +65,8 @@ def _acting(excitation: FloatArray) -> BoolArray:
     """(N,) whether the excitation is above its quiet level."""
     level = np.sqrt([np.mean(piece**2) for piece in np.array_split(excitation, PIECES)])
     quiet = float(np.percentile(level, QUIET_SHARE))
-    if quiet > NEVER_QUIET * level.max():
-        return np.ones(len(excitation), dtype=bool)
-    peak = float(np.abs(excitation).max())
-    return np.asarray(np.abs(excitation) > max(ABOVE_QUIET * quiet, OF_PEAK * peak))
+    size = np.abs(excitation)
+    return np.asarray(size > acting_level(quiet, float(level.max()), float(size.max())))
 
 
 def _onsets(responses: FloatArray) -> BoolArray:

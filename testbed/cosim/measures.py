@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from identification.decay.course import NORMAL_95
 from identification.decay.damping_table import damping_effect
 from models.arrays import FloatArray, IntArray
 from models.effects.protocol import Place
@@ -132,7 +133,7 @@ def effect_of(plan: Plan, got: Exchanges) -> TimeVaryingDamping:
     best = best[np.unique(got.times[best], return_index=True)[1]]
     position = next(contact.position for contact in plan.twin.contacts if contact.sleeve == plan.sleeve)
     place = Place(sleeve=plan.sleeve, position=position)
-    half = np.maximum(1.96 * got.stds[best], 1e-9)
+    half = np.maximum(NORMAL_95 * got.stds[best], 1e-9)
     return damping_effect(place, got.times[best], got.values[best], got.values[best] - half, got.values[best] + half)
 
 

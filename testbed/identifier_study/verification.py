@@ -12,7 +12,7 @@ from identification.decay.cramer_rao import Floor, Form, decay_floor, stepped, s
 from identification.decay.poles import fit_poles
 from identification.decay.ridge import follow_mode
 from identification.decay.smoother import SmoothedMode, smooth_decay
-from identification.decay.verification import MASS, OMEGA, SAMPLING_RATE, verification_decay
+from identification.decay.verification import MASS, OMEGA, SAMPLING_RATE, noisy, verification_decay
 from models.arrays import FloatArray
 
 SNRS = (40.0, 60.0)
@@ -161,9 +161,7 @@ def record_of(case: str, snr_db: float, seed: int) -> tuple[FloatArray, FloatArr
         seed: of the noise.
     """
     decay = verification_decay(case)
-    rms = float(np.sqrt(np.mean(decay.signal**2)))
-    noise = rms * 10.0 ** (-snr_db / 20.0) * np.random.default_rng(seed).standard_normal(decay.signal.size)
-    return decay.time, decay.damping, decay.signal + noise
+    return decay.time, decay.damping, noisy(decay.signal, snr_db, seed)
 
 
 def _smoothed(measured: FloatArray, told: Told) -> SmoothedMode:

@@ -24,7 +24,7 @@ class Decays:
 
     Attributes:
         channels: of the record, those asked for.
-        signals: (n_channels, N) of each decay, in SI units; channels of other units than the first's are scaled.
+        signals: (n_channels, N) of each decay, in SI units.
         starts: s of each in the record.
         findings: what was decided and why.
     """

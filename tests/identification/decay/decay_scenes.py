@@ -2,34 +2,21 @@
 
 import numpy as np
 
+from identification.decay.verification import MASS, OMEGA, SAMPLING_RATE
 from models.linear import linearised, natural_modes
 from models.modal import build_modal
 from models.plant import build_plant
 
-FS, OMEGA, MASS = 256.0, np.sqrt(160.0), 5.0
-"""The article's oscillator: 5 kg on 800 N/m."""
+FS = SAMPLING_RATE
+"""Of the article's oscillator, Hz."""
+
+__all__ = ["FS", "MASS", "OMEGA", "line", "noisy", "rest_modes", "ringing", "step"]
 
 
 def noisy(signals, snr_db, seed):
     """The (n_channels, N) signals with white noise of the stated share of each one's rms."""
     rms = signals.std(axis=1, keepdims=True)
     return signals + np.random.default_rng(seed).standard_normal(signals.shape) * rms * 10.0 ** (-snr_db / 20.0)
-
-
-def oscillator(sigma, duration=100.0, amplitude=1.0):
-    """(1, N) free decay of the oscillator whose decay rate is sigma(t), 1/s, integrated step by step exactly enough."""
-    t = np.arange(round(duration * FS)) / FS
-    state, out = np.array([amplitude, 0.0]), np.empty(len(t))
-    h = 1.0 / FS
-    for k, now in enumerate(t):
-        out[k] = state[0]
-        a = [sigma(now), sigma(now + 0.5 * h), sigma(now + h)]
-        slope = [None] * 4
-        for i, (c, w) in enumerate(((0, 0.0), (1, 0.5), (1, 0.5), (2, 1.0))):
-            x = state if i == 0 else state + w * h * slope[i - 1]
-            slope[i] = np.array([x[1], -2.0 * a[c] * x[1] - OMEGA**2 * x[0]])
-        state = state + h / 6.0 * (slope[0] + 2.0 * slope[1] + 2.0 * slope[2] + slope[3])
-    return out[None]
 
 
 def step(t):

@@ -1,11 +1,12 @@
 import numpy as np
 import pytest
-from decay_scenes import FS, OMEGA, line, noisy, oscillator
+from decay_scenes import FS, OMEGA, noisy
 
 from identification.decay.cause import Watched, find_cause
 from identification.decay.course import integral_of
 from identification.decay.poles import fit_poles
 from identification.decay.smoother import smooth_decay
+from identification.decay.verification import verification_decay
 
 T = np.arange(25600) / FS
 
@@ -42,7 +43,7 @@ def test_dry_friction_depends_on_amplitude_to_the_power_of_minus_one():
 
 
 def test_a_straight_drift_is_one_of_time():
-    damping, _ = watched(oscillator(line), 60.0)
+    damping, _ = watched(verification_decay("line").signal[None], 60.0)
     cause = find_cause([damping])
     assert (cause.verdict, cause.law.power) == ("time", 1.0)
 

@@ -1,11 +1,12 @@
 import numpy as np
 import pytest
-from decay_scenes import FS, MASS, OMEGA, line, noisy, oscillator, rest_modes, ringing, step
+from decay_scenes import FS, MASS, OMEGA, line, noisy, rest_modes, ringing, step
 
 from identification.decay.course import Told
 from identification.decay.cramer_rao import decay_floor, stepped, straight
 from identification.decay.poles import fit_poles
 from identification.decay.smoother import smooth_decay
+from identification.decay.verification import verification_decay
 from models.rig_file import read_rig
 
 SEEDS = 6
@@ -27,12 +28,12 @@ def errors_of(signal, sigma, snr_db, told=Told()):  # noqa: B008
 
 @pytest.fixture(scope="module")
 def stepping():
-    return oscillator(step)
+    return verification_decay("step").signal[None]
 
 
 @pytest.fixture(scope="module")
 def drifting():
-    return oscillator(line)
+    return verification_decay("line").signal[None]
 
 
 @pytest.mark.parametrize(("snr_db", "bar"), [(40.0, 0.0018), (60.0, 0.0006)])
