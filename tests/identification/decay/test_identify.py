@@ -95,7 +95,11 @@ def close(spacing, ratio, snr_db, n_channels, seed=0):
 
 
 @pytest.mark.parametrize(
-    ("spacing", "ratio", "snr_db", "n_channels"), [(0.05, 0.01, 30.0, 1), (0.05, 0.01, 40.0, 8), (0.03, 0.003, 40.0, 4)]
+    ("spacing", "ratio", "snr_db", "n_channels"),
+    [
+        *[(0.05, 0.01, 30.0, 1), (0.05, 0.01, 40.0, 8), (0.03, 0.003, 40.0, 4)],
+        *[(0.03, 0.01, 40.0, 4), (0.05, 0.015, 40.0, 1)],  # one peak each: a pole has to be split
+    ],
 )
 def test_close_modes_are_two_and_steady(spacing, ratio, snr_db, n_channels):
     signals, poles = close(spacing, ratio, snr_db, n_channels)
