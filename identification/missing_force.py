@@ -62,7 +62,7 @@ def missing_forces(evaluator: Evaluator, hypothesis: Hypothesis) -> tuple[Missin
         response = simulate(
             plant, hypothesis.at_zero(target.record), settings, hypothesis.starts.get(target.record.name)
         )
-        if any(port.derivative == 0 for port in response.model.ports):
+        if any(port.is_concentrated for port in response.model.ports):
             found.extend(_Run(target, response).missing_forces())
     return tuple(found)
 
@@ -86,7 +86,7 @@ class _Run:
         self.target, self.response, self.trace = target, response, response.trace
         self.model, self.record = response.model, target.record
         self.plant = self.model.plant
-        self.places = tuple(dict.fromkeys(port.position for port in self.model.ports if port.derivative == 0))
+        self.places = tuple(dict.fromkeys(port.position for port in self.model.ports if port.is_concentrated))
         self.springs = np.array([self._spring(place) for place in self.places])
         self.beam = FreeBeam.of(self.model, self.places, self.springs, self.record.n_samples, self.record.fs)
         by_name = {sensor.name: sensor for sensor in self.plant.sensors}
@@ -124,7 +124,7 @@ class _Run:
 
     def _port(self, place: float | None) -> int:
         """The port of a place whose motion is relative to the base, if there is one."""
-        ports = [i for i, port in enumerate(self.model.ports) if port.derivative == 0 and port.position == place]
+        ports = [i for i, port in enumerate(self.model.ports) if port.is_concentrated and port.position == place]
         return min(ports, key=lambda i: self.model.ports[i].frame != "base")
 
     def _name(self, place: float | None) -> str:
@@ -136,7 +136,7 @@ class _Run:
         """(n_ports, M) the ports' motion: the model's own, and at the places the difference at the stepper's rate."""
         total = own.copy()
         for i, port in enumerate(self.model.ports):
-            if port.derivative == 0:
+            if port.is_concentrated:
                 total[i] += raise_rate(moved[self.places.index(port.position)], self.response.steps_per_sample)
         return total
 
@@ -145,7 +145,7 @@ class _Run:
         total = np.zeros((len(self.places), q.shape[1]))
         index, fs = {port: i for i, port in enumerate(self.model.ports)}, self.trace.fs
         for law in self.plant.laws:
-            if law.port.derivative == 0:
+            if law.port.is_concentrated:
                 i = index[law.port]
                 total[self.places.index(law.port.position)] += law_along(law, q[i], v[i], fs)
         for contact in self.plant.contacts:

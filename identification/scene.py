@@ -11,7 +11,7 @@ from identification.rest_target import FrfTarget, ModesTarget
 from models.arrays import FloatArray
 from models.drive import drive_of
 from models.effects.protocol import Effect, Place, Scene
-from models.linear import frf, linearised
+from models.linear import frf, linearised, natural_modes
 from models.modal import ModalModel, build_modal
 from models.plant import Plant
 from models.ports import Port
@@ -99,7 +99,7 @@ def scenes(evaluator: Evaluator, hypothesis: Hypothesis, places: Collection[Plac
     positions = sorted({place.position for place in places}, key=lambda p: p or 0.0)
     watched = replace(plant, sensors=tuple(_probes(positions)), effects=())
     if not evaluator.timed:
-        return _scenes_at_rest(evaluator.at_rest, watched, places, positions)
+        return _scenes_at_rest(evaluator.at_rest, plant, watched, places, positions)
     size = dict.fromkeys(positions, Size())
     force = 0.0
     for target in evaluator.timed:
@@ -118,16 +118,15 @@ def scenes(evaluator: Evaluator, hypothesis: Hypothesis, places: Collection[Plac
                 )
             )
         force = max(force, _force(target.record, response, response.channels[1::2]))
-    rest = _at_rest(response.model, positions)
     duration = max(target.record.duration for target in evaluator.timed)
-    return {
-        place: _scene(place, plant, size[place.position], force or 1.0, rest[place.position], duration)
-        for place in places
-    }
+    common = _common(response.model, force or 1.0, duration)
+    rest = _at_rest(response.model, positions)
+    return {place: _scene(place, common, plant, size[place.position], rest[place.position]) for place in places}
 
 
 def _scenes_at_rest(
     targets: Sequence[FrfTarget | ModesTarget],
+    plant: Plant,
     watched: Plant,
     places: Collection[Place],
     positions: Sequence[float | None],
@@ -147,13 +146,13 @@ def _scenes_at_rest(
     depth = {c.position: d for c, d in zip(watched.contacts, linear.model.rest.penetration.tolist(), strict=True)}
     force = 1.0 if watched.excitation is not None and watched.excitation.quantity == "force" else _carried(linear.model)
     rest = _at_rest(linear.model, positions)
-    found = {}
+    found, common = {}, _common(linear.model, force, duration)
     for place in places:
         i = positions.index(place.position)
         deepest = max(0.0, depth[place.position] + largest[i]) if place.position in depth else 0.0
         moves = float(speed[i])
         size = Size().grown(Size(float(largest[i]), moves, moves, float(deepest)))
-        found[place] = _scene(place, watched, size, force, rest[place.position], duration)
+        found[place] = _scene(place, common, plant, size, rest[place.position])
     return found
 
 
@@ -224,17 +223,29 @@ def _force(record: Record, response: Response, speed: FloatArray) -> float:
     return float(_carried(response.model) * np.sqrt(np.mean(acceleration**2)))
 
 
-def _scene(place: Place, plant: Plant, size: Size, force: float, rest: float, duration: float) -> Scene:
+def _common(model: ModalModel, force: float, duration: float) -> Scene:
+    """What the scenes at all places have in common."""
+    plant = model.plant
+    modes = natural_modes(linearised(model), (), float(model.omega.max()) / (2.0 * np.pi))
     return Scene(
-        place=place,
-        contact=next((c for c in plant.contacts if c.sleeve == place.sleeve), None),
+        place=Place(),
+        contact=None,
         structure=plant.structure,
-        displacement=size.displacement,
-        velocity=size.velocity,
-        ground_velocity=size.ground_velocity,
+        displacement=TINY,
+        velocity=TINY,
         force=force,
-        penetration=size.penetration,
+        penetration=0.0,
         duration=duration,
         driven_base=plant.excitation is not None and plant.excitation.quantity != "force",
-        rest=rest,
+        natural_freqs=tuple(float(f) for f in modes.natural_freqs[:N_MODES]),
     )
+
+
+N_MODES = 6
+"""Natural frequencies that a scene tells."""
+
+
+def _scene(place: Place, common: Scene, plant: Plant, size: Size, rest: float) -> Scene:
+    sensor = next((sensor.position for sensor in plant.sensors if sensor.name == place.sensor), None)
+    contact = next((contact for contact in plant.contacts if contact.sleeve == place.sleeve), None)
+    return replace(common, place=place, contact=contact, sensor_position=sensor, rest=rest, **vars(size))

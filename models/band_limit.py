@@ -74,6 +74,21 @@ def raise_rate(signal: FloatArray, factor: int, *, derivative: int = 0, for_line
     return np.ascontiguousarray(fine[..., pad * factor : (pad + n) * factor])
 
 
+def delayed(signal: FloatArray, samples: float) -> FloatArray:
+    """(N,) a band-limited signal later by a time that need not be whole samples; before it began, its reflection.
+
+    Args:
+        signal: (N,).
+        samples: of delay, at most ``PAD``.
+    """
+    n = len(signal)
+    pad = min(PAD, n - 1)
+    n_fast = fft.next_fast_len(n + 2 * pad, real=True)
+    turn = np.exp(-2j * np.pi * np.arange(n_fast // 2 + 1) / n_fast * min(samples, float(pad)))
+    later = fft.irfft(fft.rfft(continued(signal, pad, n_fast)) * turn, n_fast)
+    return np.ascontiguousarray(later[pad : pad + n])
+
+
 def record_channels(
     fine: FloatArray, factor: int, n_samples: int, fs: float, derivatives: FloatArray | None = None
 ) -> FloatArray:

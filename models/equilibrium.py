@@ -3,7 +3,7 @@
 import numpy as np
 
 from models.arrays import FloatArray
-from models.errors import InputError
+from models.errors import NoRestError
 from models.point_forces import PointForce, Stretch
 from models.ports import Port
 
@@ -44,7 +44,7 @@ def find_rest(
         origin: (n_ports,) place of the ports at q = 0, m.
 
     Raises:
-        InputError: none is found.
+        NoRestError: none is found.
     """
 
     def slopes(q: FloatArray) -> FloatArray:
@@ -70,7 +70,7 @@ def find_rest(
         q = np.asarray(q + share * step)
         if np.abs(rows @ step).max(initial=0.0) < TOLERANCE:
             return q
-    raise InputError(
+    raise NoRestError(
         "the state at rest: no equilibrium was found",
         "the structure rests where gravity, sleeves and effects balance",
         "look for a stiffness that is negative or an offset larger than the structure can reach",

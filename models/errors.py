@@ -1,5 +1,7 @@
 """The one error a user sees: what was given, what was expected, how to mend it."""
 
+from typing import Self
+
 
 class InputError(ValueError):
     """Bad input, told in three parts.
@@ -14,10 +16,14 @@ class InputError(ValueError):
         super().__init__(f"{given}; {expected}; {mend}")
         self.given, self.expected, self.mend = given, expected, mend
 
-    def __reduce__(self) -> tuple[type["InputError"], tuple[str, str, str]]:
+    def __reduce__(self) -> tuple[type[Self], tuple[str, str, str]]:
         """By its three parts, so that it comes whole out of another process."""
-        return InputError, (self.given, self.expected, self.mend)
+        return type(self), (self.given, self.expected, self.mend)
 
 
 class DivergenceError(ArithmeticError):
     """A simulation left the range of finite numbers; the message says when and what to change."""
+
+
+class NoRestError(InputError, DivergenceError):
+    """A structure that nowhere stays at rest: bad input to its owner, a motion without bound to a fit on its way."""

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from models.arrays import ComplexArray, FloatArray
+from models.band_limit import recorder_gain
 from models.drive import ORDER
 from models.effects.protocol import Measurement
 from models.errors import InputError
@@ -242,18 +243,20 @@ def measurement_chain(plant: Plant, sensors: Sequence[str], frequency: FloatArra
     if not plant.effects:
         return chain
     fs = CHAIN_RATE * float(np.max(frequency))
-    impulse = np.zeros(CHAIN_SAMPLES)
-    impulse[CHAIN_SAMPLES // 2] = 1.0
+    # As a recorder would have it: an impulse of all frequencies would ring without end once it is delayed.
+    gain = recorder_gain(np.arange(CHAIN_SAMPLES // 2 + 1) * (fs / CHAIN_SAMPLES), fs)
+    impulse = np.roll(np.fft.irfft(gain, CHAIN_SAMPLES), CHAIN_SAMPLES // 2)
 
     def spectrum(signal: FloatArray) -> ComplexArray:
         late = np.flatnonzero(np.any(np.atleast_2d(signal), axis=0))
         kernel = np.exp(-2j * np.pi * np.outer(late - CHAIN_SAMPLES // 2, frequency) / fs)
         return np.asarray(signal[..., late] @ kernel)
 
+    given = spectrum(impulse)
     for effect in plant.effects:
         measurement = Measurement(tuple(sensors), fs, dict.fromkeys(effect.record_parameters, 0.0))
         sent = np.tile(impulse, (len(sensors), 1))
         read = effect.change_channels(sent, measurement) - effect.change_channels(np.zeros_like(sent), measurement)
-        chain *= spectrum(read)
-        chain *= spectrum(effect.change_excitation(impulse.copy()))
+        chain *= spectrum(read) / given
+        chain *= spectrum(effect.change_excitation(impulse.copy())) / given
     return chain

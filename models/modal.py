@@ -1,7 +1,7 @@
 """The reduced modal model of a plant: a few modes, exact static flexibility at every port, and the state at rest."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -11,7 +11,7 @@ from models.arrays import FloatArray
 from models.beam.assembly import BeamMatrices, assemble_beam, natural_modes, own_damping, solve_static
 from models.errors import InputError
 from models.plant import Plant
-from models.ports import Port
+from models.ports import PointLaw, Port
 from models.rest import RestState, find_rest
 from models.structure import Structure
 
@@ -27,6 +27,10 @@ BAND_MARGIN = 1.5
 
 SPARE_MODES = 16
 """Clamped-free modes beyond those kept, from which modes of a changed beam are formed."""
+
+
+Load = tuple[float, int]
+"""Where a force bends the beam, m, and on which derivative of the deflection it acts."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,18 +107,20 @@ def build_modal(plant: Plant, band: float, n_modes: int | None = None) -> ModalM
     ports = _ports(plant)
     if not plant.structure.is_beam:
         return _oscillator(plant, ports)
-    concentrated = [port.position for port in ports if port.derivative == 0]
+    named = [(port.position, port.derivative) for port in ports if not port.spread]
     if plant.excitation is not None:
-        concentrated.append(plant.excitation.position)
-    loads = tuple(sorted({p for p in concentrated if p is not None}))
+        named.append((plant.excitation.position, 0))
+    loads = tuple(sorted({(position, order) for position, order in named if position is not None}))
     kept = n_modes if n_modes is not None else modes_below(plant.structure, BAND_MARGIN * band)
     beam = _reduced_beam(plant.structure, kept, loads)
     rows = _port_rows(beam.matrices, ports)
+    flexibility = rows @ solve_static(beam.matrices.stiffness, rows.T)
+    plant = replace(plant, laws=_yielding(plant.laws, ports, flexibility))
     rest = find_rest(
         plant,
         ports,
         sag=rows @ solve_static(beam.matrices.stiffness, beam.matrices.weight),
-        flexibility=rows @ solve_static(beam.matrices.stiffness, rows.T),
+        flexibility=flexibility,
     )
     return ModalModel(
         plant=plant,
@@ -140,9 +146,9 @@ class _ReducedBeam:
 
 
 @lru_cache(maxsize=256)
-def _reduced_beam(structure: Structure, kept: int, loads: tuple[float, ...]) -> _ReducedBeam:
+def _reduced_beam(structure: Structure, kept: int, loads: tuple[Load, ...]) -> _ReducedBeam:
     """The beam in ``kept`` modes and the residual shapes of ``loads``, kept while only contacts and laws change."""
-    matrices = assemble_beam(structure, kept + SPARE_MODES, loads)
+    matrices = assemble_beam(structure, kept + SPARE_MODES, tuple(position for position, order in loads if order == 0))
     modes, square = _reduce(matrices, kept, loads)
     damping = _tidy(modes.T @ matrices.damping @ modes)
     return _ReducedBeam(matrices, modes, np.sqrt(square), damping, modes.T @ matrices.carried)
@@ -160,6 +166,11 @@ def modes_below(structure: Structure, freq: float) -> int:
             "see that the rig file is in m, Pa and kg/m^3, or ask for lower frequencies",
         )
     return max(MIN_MODES, n)
+
+
+def _yielding(laws: Sequence[PointLaw], ports: Sequence[Port], flexibility: FloatArray) -> tuple[PointLaw, ...]:
+    """The laws with what the model yields to them; all that it has is in its reduced coordinates too."""
+    return tuple(law.yielding(float(flexibility[i, i])) for law in laws for i in [ports.index(law.port)])
 
 
 def _ports(plant: Plant) -> tuple[Port, ...]:
@@ -204,7 +215,7 @@ def _port_rows(matrices: BeamMatrices, ports: Sequence[Port]) -> FloatArray:
     return np.stack(rows) if rows else np.empty((0, len(matrices.weight)))
 
 
-def _reduce(matrices: BeamMatrices, kept: int, loads: tuple[float, ...]) -> tuple[FloatArray, FloatArray]:
+def _reduce(matrices: BeamMatrices, kept: int, loads: tuple[Load, ...]) -> tuple[FloatArray, FloatArray]:
     """(n_ritz, n) mass-normalised modes and (n,) squared frequencies: the lowest ``kept``, then the residual shapes.
 
     The residual shapes are the static deflections under loads at the ports less what the kept modes give; the reduced
@@ -213,7 +224,7 @@ def _reduce(matrices: BeamMatrices, kept: int, loads: tuple[float, ...]) -> tupl
     square, phi = natural_modes(matrices.stiffness, matrices.mass)
     if not loads:
         return phi[:, :kept], square[:kept]
-    rows = np.stack([matrices.row(position) for position in loads])
+    rows = np.stack([matrices.row(*load) for load in loads])
     rest, rest_square = phi[:, kept:], square[kept:]
     residual = (rest / rest_square) @ (rest.T @ rows.T)
     energy, direction = eigh(residual.T @ matrices.stiffness @ residual)

@@ -47,7 +47,8 @@ def build_plant(rig: Rig, extra: Iterable[Effect] = (), registry: Mapping[str, t
     structure, sensors = Structure.of(rig.structure), rig.sensors
     for effect in effects:
         structure = effect.change_structure(structure)
-        sensors = effect.change_sensors(sensors)
+    for effect in effects:
+        sensors = effect.change_sensors(sensors, structure)
     contacts = {sleeve.name: contact_of(sleeve) for sleeve in rig.sleeves}
     for effect in effects:
         if effect.place.sleeve is not None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from models.arrays import FloatArray
-from models.errors import InputError
+from models.errors import NoRestError
 from models.plant import Plant
 from models.ports import Contact, PointLaw, Port
 
@@ -45,7 +45,7 @@ def find_rest(plant: Plant, ports: tuple[Port, ...], sag: FloatArray, flexibilit
         flexibility: (n_ports, n_ports) m/N.
 
     Raises:
-        InputError: no equilibrium is found (laws that push a structure without stiffness away).
+        NoRestError: no equilibrium is found (laws that push a structure without stiffness away).
     """
     index = {port: i for i, port in enumerate(ports)}
     law_at = [index[law.port] for law in plant.laws]
@@ -108,7 +108,7 @@ def _newton(sag: FloatArray, flexibility: FloatArray, forces: ForceFunction) -> 
         if np.abs(trial - q).max() < REST_TOLERANCE:
             return np.asarray(trial)
         q, residual = trial, new
-    raise InputError(
+    raise NoRestError(
         "the state at rest: no equilibrium was found",
         "the structure rests where gravity, sleeves and effects balance",
         "look for a stiffness that is negative or an offset larger than the structure can reach",

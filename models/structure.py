@@ -101,6 +101,11 @@ class Structure:
         """A beam, not an oscillator."""
         return self.length > 0
 
+    @property
+    def viscosity(self) -> float:
+        """Of the material, s: stress from strain rate over stress from strain; 0 where a loss factor replaces it."""
+        return 0.0 if self.loss_factor is not None else self.damping_scale * self.rayleigh[1]
+
     def with_mass(self, position: float | None, mass: float) -> Self:
         """With a point mass, kg, that moves with the structure."""
         return replace(self, masses=(*self.masses, (position, mass)))

@@ -8,7 +8,7 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
 
 from models.arrays import FloatArray
 from models.beam.basis import BeamBasis, beam_basis
-from models.errors import InputError
+from models.errors import NoRestError
 from models.structure import Hinge, Structure
 
 
@@ -126,7 +126,7 @@ def natural_modes(stiffness: FloatArray, mass: FloatArray) -> tuple[FloatArray, 
     It is M phi = omega^-2 K phi that is solved, scaled by the diagonal of K: a spring may be as stiff as it likes.
 
     Raises:
-        InputError: the structure has no stiffness against some motion.
+        NoRestError: the structure has no stiffness against some motion.
     """
     own = np.diag(stiffness)
     if own.min() <= 0.0:
@@ -145,7 +145,7 @@ def solve_static(stiffness: FloatArray, load: FloatArray) -> FloatArray:
     """Displacement under a static load.
 
     Raises:
-        InputError: the structure has no stiffness against some motion.
+        NoRestError: the structure has no stiffness against some motion.
     """
     try:
         return np.asarray(cho_solve(cho_factor(stiffness), load))
@@ -153,8 +153,8 @@ def solve_static(stiffness: FloatArray, load: FloatArray) -> FloatArray:
         raise _unstable() from error
 
 
-def _unstable() -> InputError:
-    return InputError(
+def _unstable() -> NoRestError:
+    return NoRestError(
         "the beam without its sleeves: its stiffness is not positive",
         "it resists every deflection: compression stays below pi^2 E I / (2 L)^2, and a clamp that turns has a spring",
         "look for an axial_load or a clamp_compliance that is out of scale",

@@ -144,11 +144,12 @@ def _contact(force: PointForce, step: float) -> Callable[[float, float, float], 
 
     def both_ways(t: float, q: float, v: float) -> float:
         side = 1.0 if q >= offset else -1.0
-        return -side * law(t, side * (q - offset) - clearance - growth * t, side * v - growth, 0.0, values)
+        grows = growth if t > 0.0 else 0.0  # the record starts from where the beam rested before
+        return -side * law(t, side * (q - offset) - clearance - growth * t, side * v - grows, 0.0, values)
 
     def pushing(t: float, q: float, v: float) -> float:
         side = 1.0 if q >= offset else -1.0
-        rate, p = side * v - growth, side * (q - offset) - clearance - growth * t
+        rate, p = side * v - (growth if t > 0.0 else 0.0), side * (q - offset) - clearance - growth * t
         if p <= -half * abs(rate):
             return 0.0
         share, amid = closed_part(p, rate, step)

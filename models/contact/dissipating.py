@@ -4,7 +4,7 @@ Not registered in ``CONTACT_LAWS``: a rig file gives a sleeve two numbers, and w
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
 from models.contact.protocol import ContactLaw
@@ -34,8 +34,17 @@ class Dissipating(ContactLaw):
     @staticmethod
     def normal_force(t: float, p: float, p_rate: float, z: float, c: Sequence[float]) -> float:  # noqa: ARG004
         """K p^n (1 + a dp/dt), with c = (k, a, n)."""
-        spring: float = c[0] * p ** c[2]
-        return spring * (1.0 + c[1] * p_rate)
+        spring: float = p ** c[2] if p > 0.0 else -((-p) ** c[2])
+        return c[0] * spring * (1.0 + c[1] * p_rate)
+
+    def with_elastic(self, stiffness: float, exponent: float) -> Self:
+        """The same law with other numbers."""
+        return replace(self, stiffness=stiffness, exponent=exponent)
+
+    @property
+    def power(self) -> float:
+        """The exponent."""
+        return self.exponent
 
     @property
     def values(self) -> tuple[float, ...]:

@@ -1,7 +1,7 @@
 """Hertz: a contact that stiffens as it is pressed, with a dashpot beside it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
 from models.contact.protocol import ContactLaw
@@ -31,8 +31,17 @@ class Hertz(ContactLaw):
     @staticmethod
     def normal_force(t: float, p: float, p_rate: float, z: float, c: Sequence[float]) -> float:  # noqa: ARG004
         """K p^n + c dp/dt, with c = (k, c, n)."""
-        spring: float = c[0] * p ** c[2]
-        return spring + c[1] * p_rate
+        spring: float = p ** c[2] if p > 0.0 else -((-p) ** c[2])  # a sleeve without clearance has two sides
+        return c[0] * spring + c[1] * p_rate
+
+    def with_elastic(self, stiffness: float, exponent: float) -> Self:
+        """The same law with other numbers."""
+        return replace(self, stiffness=stiffness, exponent=exponent)
+
+    @property
+    def power(self) -> float:
+        """The exponent."""
+        return self.exponent
 
     @property
     def values(self) -> tuple[float, ...]:

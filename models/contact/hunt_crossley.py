@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
+from models.contact.dissipating import Dissipating
 from models.contact.protocol import ContactLaw
 
 
@@ -30,6 +31,10 @@ class HuntCrossley(ContactLaw):
     def normal_force(t: float, p: float, p_rate: float, z: float, c: Sequence[float]) -> float:  # noqa: ARG004
         """K p (1 + 3/2 alpha dp/dt)."""
         return c[0] * p * (1.0 + 1.5 * c[1] * p_rate)
+
+    def with_elastic(self, stiffness: float, exponent: float) -> Dissipating:
+        """The same dissipation."""
+        return Dissipating(stiffness, 1.5 * self.dissipation, exponent)
 
     @property
     def values(self) -> tuple[float, ...]:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
+from models.contact.hertz import Hertz
 from models.contact.protocol import ContactLaw
 
 
@@ -30,6 +31,10 @@ class KelvinVoigt(ContactLaw):
     def normal_force(t: float, p: float, p_rate: float, z: float, c: Sequence[float]) -> float:  # noqa: ARG004
         """k p + c dp/dt."""
         return c[0] * p + c[1] * p_rate
+
+    def with_elastic(self, stiffness: float, exponent: float) -> Hertz:
+        """Hertz' law with the same dashpot."""
+        return Hertz(stiffness, self.damping, exponent)
 
     @property
     def values(self) -> tuple[float, ...]:

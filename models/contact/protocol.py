@@ -40,6 +40,11 @@ class ContactLaw(ABC):
     def values(self) -> tuple[float, ...]:
         """The law's numbers in the order in which ``normal_force`` reads them."""
 
+    @property
+    def power(self) -> float:
+        """Of the penetration in the elastic part."""
+        return 1.0
+
     def elastic(self, p: float) -> float:
         """Force, N, at a penetration p (m) that stands still, at the record's start."""
         return self.normal_force(0.0, p, 0.0, 0.0, self.values)
@@ -54,6 +59,10 @@ class ContactLaw(ABC):
         while self.elastic(p) < load and p < LARGEST:
             p *= 2.0
         return (self.elastic(p) - self.elastic(0.5 * p)) / (0.5 * p)
+
+    @abstractmethod
+    def with_elastic(self, stiffness: float, exponent: float) -> "ContactLaw":
+        """A law with the elastic part stiffness p^exponent, N/m^n, that loses energy as this one does."""
 
     def stiffer(self, ratio: float) -> Self:
         """The same law with its elastic part multiplied by ``ratio``."""

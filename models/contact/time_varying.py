@@ -5,7 +5,7 @@ Not registered in ``CONTACT_LAWS``: a rig file gives a sleeve two numbers and ca
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
 from models.contact.protocol import ContactLaw
@@ -13,12 +13,13 @@ from models.contact.protocol import ContactLaw
 
 @dataclass(frozen=True)
 class TimeVarying(ContactLaw):
-    """N = k p + c(t) dp/dt, with c(t) straight between the knots and constant before the first and after the last.
+    """N = k p^m + c(t) dp/dt, with c(t) straight between the knots and constant before the first and after the last.
 
     Attributes:
-        stiffness: k, N/m.
+        stiffness: k, N/m^exponent.
         times: of the knots, growing, s from the record's first sample.
         dampings: c at the knots, N s/m.
+        exponent: of the penetration in the elastic part.
     """
 
     name: ClassVar[str] = "time_varying"
@@ -26,6 +27,7 @@ class TimeVarying(ContactLaw):
 
     times: tuple[float, ...]
     dampings: tuple[float, ...]
+    exponent: float = 1.0
 
     @classmethod
     def from_sleeve(cls, stiffness: float, damping: float) -> Self:
@@ -34,9 +36,9 @@ class TimeVarying(ContactLaw):
 
     @staticmethod
     def normal_force(t: float, p: float, p_rate: float, z: float, c: Sequence[float]) -> float:  # noqa: ARG004
-        """K p + c(t) dp/dt, with c = (k, n, t1..tn, c1..cn)."""
-        n = int(c[1])
-        first, last = 2, 1 + n
+        """K p^m + c(t) dp/dt, with c = (k, m, n, t1..tn, c1..cn)."""
+        n = int(c[2])
+        first, last = 3, 2 + n
         if t <= c[first]:
             damping = c[first + n]
         elif t >= c[last]:
@@ -46,9 +48,19 @@ class TimeVarying(ContactLaw):
             while t > c[i + 1]:
                 i += 1
             damping = c[i + n] + (c[i + 1 + n] - c[i + n]) * (t - c[i]) / (c[i + 1] - c[i])
-        return c[0] * p + damping * p_rate
+        spring: float = p ** c[1] if p > 0.0 else -((-p) ** c[1])
+        return c[0] * spring + damping * p_rate
+
+    def with_elastic(self, stiffness: float, exponent: float) -> Self:
+        """The same table."""
+        return replace(self, stiffness=stiffness, exponent=exponent)
+
+    @property
+    def power(self) -> float:
+        """The exponent."""
+        return self.exponent
 
     @property
     def values(self) -> tuple[float, ...]:
-        """(k, n, t1..tn, c1..cn)."""
-        return (self.stiffness, float(len(self.times)), *self.times, *self.dampings)
+        """(k, m, n, t1..tn, c1..cn)."""
+        return (self.stiffness, self.exponent, float(len(self.times)), *self.times, *self.dampings)

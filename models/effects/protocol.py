@@ -108,6 +108,9 @@ class Scene:
         driven_base: whether the base moves, so that ``against = "ground"`` is another effect than ``"base"``.
         rest: displacement at rest, gravity's sag included, m.
         ground_velocity: rms of the absolute velocity, m/s, where the base is driven.
+        natural_freqs: of the first modes about rest, Hz.
+        sensor_position: where the place's sensor should be, m from the clamp; None where the place is no sensor.
+        lines: frequencies, Hz, of single lines in the records that the model does not explain, the strongest first.
     """
 
     place: Place
@@ -121,6 +124,9 @@ class Scene:
     driven_base: bool
     rest: float = 0.0
     ground_velocity: float = 0.0
+    natural_freqs: tuple[float, ...] = ()
+    sensor_position: float | None = None
+    lines: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -197,8 +203,8 @@ class Effect(ABC):
         """(N,) the true excitation from the channel as measured."""
         return excitation
 
-    def change_sensors(self, sensors: tuple[Sensor, ...]) -> tuple[Sensor, ...]:
-        """The sensors where they really are."""
+    def change_sensors(self, sensors: tuple[Sensor, ...], structure: Structure) -> tuple[Sensor, ...]:  # noqa: ARG002
+        """The sensors where they really are on the structure."""
         return sensors
 
     def change_channels(self, channels: FloatArray, measurement: Measurement) -> FloatArray:  # noqa: ARG002
@@ -233,7 +239,7 @@ class Effect(ABC):
 
     def label(self) -> str:
         """Kind and place, as tables show it: ``squeeze_film at sleeve 2``."""
-        options = "".join(f" against {getattr(self, key)}" for key in self.options)
+        options = "".join(f" {key} {getattr(self, key)}" for key in self.options)
         return f"{self.kind}{options} {self.place}".strip()
 
     def fitted_values(self) -> FloatArray:

@@ -63,7 +63,8 @@ class TimeVaryingDamping(Effect):
 
     def change_contact(self, contact: Contact) -> Contact:
         """The contact with the table as its dashpot."""
-        return replace(contact, law=TimeVarying(contact.law.stiffness, self.times, self.values))
+        law = contact.law
+        return replace(contact, law=TimeVarying(law.stiffness, self.times, self.values, law.power))
 
     def in_words(self) -> str:
         """When it acts and what it does."""

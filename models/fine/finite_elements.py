@@ -13,7 +13,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from models.arrays import FloatArray, IntArray
-from models.errors import InputError
+from models.errors import NoRestError
 from models.structure import Structure
 
 TOUCH = 1e-9
@@ -51,12 +51,12 @@ class FiniteElements:
         The inverse problem is solved, whose large eigenvalues, the low modes, keep all their digits.
 
         Raises:
-            InputError: an axial force beyond the buckling load.
+            NoRestError: an axial force beyond the buckling load.
         """
         try:
             inverse_square, shapes = eigh(self.mass, self.stiffness)
         except np.linalg.LinAlgError:
-            raise InputError(
+            raise NoRestError(
                 f"axial_load: force = {self.structure.axial_force:g} N",
                 "a beam carries less compression than its buckling load",
                 "take a smaller compression",

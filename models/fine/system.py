@@ -1,6 +1,6 @@
 """The plant in the modes of its finite elements, none left out, with a port for every point force."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import sqrt
 
 import numpy as np
@@ -72,14 +72,23 @@ def build_system(plant: Plant, n_elements: int) -> FineSystem:
     omega, damping = np.append(omega, np.zeros(len(hung))), np.append(damping, np.zeros(len(hung)))
     carried = np.append(carried, hung)
     rows = np.array([_port_row(elements, carried, port, len(hung)) for port in ports]).reshape(-1, len(omega))
+    forces = _yielding(plant, omega, dict(zip(ports, rows, strict=True)))
     rest = find_rest(omega, -structure.gravity * carried, rows, ports, forces)
     return FineSystem(omega, damping, carried, ports, rows, forces, rest, elements)
+
+
+def _yielding(plant: Plant, omega: FloatArray, rows: dict[Port | Stretch, FloatArray]) -> tuple[PointForce, ...]:
+    """The point forces, those that ask for it with what their port yields to a unit force."""
+    square = np.where(omega > 0.0, omega**2, np.inf)
+    laws = tuple(law.yielding(float(np.sum(rows[law.port] ** 2 / square))) for law in plant.laws)
+    return point_forces(replace(plant, laws=laws))
 
 
 def _mesh(plant: Plant, ports: tuple[Port | Stretch, ...], n_elements: int) -> FloatArray:
     structure = plant.structure
     named: list[float | None] = [hinge.position for hinge in structure.hinges]
-    named += [port.absorber.position if isinstance(port, Stretch) else port.position for port in ports]
+    named += [port.absorber.position for port in ports if isinstance(port, Stretch)]
+    named += [port.position for port in ports if isinstance(port, Port) and port.is_concentrated]
     named += [position for position, _ in structure.masses]
     named += [plant.excitation.position if plant.excitation is not None else None]
     named += [sensor.position for sensor in plant.sensors]

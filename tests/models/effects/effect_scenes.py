@@ -54,6 +54,8 @@ def scene_at(place: Place, structure: str = "beam", amplitude: float = 1.0, **ch
         duration=4.0,
         driven_base=False,
         ground_velocity=0.05 * amplitude,
+        natural_freqs=(7.0, 44.0, 123.0),
+        sensor_position=0.7 if place.sensor and structure == "beam" else None,
     )
     return replace(plain, **changes)
 

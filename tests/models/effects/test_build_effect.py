@@ -11,7 +11,7 @@ FRICTION = {"friction_force": 1.0, "slip_velocity": 1e-3}
 FILM = {"kind": "squeeze_film", "sleeve": "outer"}
 
 WRONG_ON_A_BEAM = [
-    ({"kind": "squeze_film", "sleeve": "outer"}, 'new effect.kind = "squeze_film"', "the library has bouc_wen, clamp_",
+    ({"kind": "squeze_film", "sleeve": "outer"}, 'new effect.kind = "squeze_film"', "the library has absorber, axial_",
      'did you mean "squeeze_film"?'),
     ({"kind": "xyz"}, 'new effect.kind = "xyz"', "the library has", "choose one of them"),
     ({"kind": "squeeze_film", "damping": 1.0}, "new effect: squeeze_film with no place",

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from effect_scenes import CONTACT, PLACES, scene_at
 
@@ -10,9 +11,12 @@ from models.contact.kelvin_voigt import KelvinVoigt
 from models.effects.clearance import Clearance
 from models.effects.contact_stiffness import ContactStiffness
 from models.effects.gap_offset import GapOffset
+from models.effects.hertz_contact import HertzContact
 from models.effects.hunt_crossley import HuntCrossley
 from models.effects.time_varying_damping import TimeVaryingDamping
+from models.effects.wear import Wear
 from models.rest import contact_force
+from models.stepping import penetration_of
 
 SLEEVE = PLACES["sleeve"]
 
@@ -119,3 +123,45 @@ def test_only_what_it_names_changes(effect):
     field = {"clearance": "clearance", "gap_offset": "offset"}.get(effect.kind, "law")
     assert contact != CONTACT
     assert replace(contact, **{field: getattr(CONTACT, field)}) == CONTACT
+
+
+def test_a_hertz_contact_keeps_the_dashpot_and_grows_with_its_exponent():
+    pressed = changed(HertzContact(SLEEVE, stiffness=1e7, exponent=1.5))
+    assert contact_force(pressed, 3e-4) == pytest.approx(-1e7 * 1e-4**1.5)
+    assert contact_force(pressed, 3e-4, 0.1) == pytest.approx(-1e7 * 1e-4**1.5 - 8.0)
+
+
+def test_a_hertz_contact_of_exponent_one_is_the_contact_as_it_was():
+    assert contact_force(changed(HertzContact(SLEEVE, 1e5, 1.0)), 3.3e-4, 0.02) == contact_force(CONTACT, 3.3e-4, 0.02)
+
+
+def test_a_hertz_contact_loses_energy_as_the_law_before_did():
+    dissipating = changed(HuntCrossley(SLEEVE, dissipation=2.0), HertzContact(SLEEVE, 1e7, 1.5))
+    assert contact_force(dissipating, 3e-4, 0.1) == pytest.approx(-1e7 * 1e-4**1.5 * (1.0 + 1.5 * 2.0 * 0.1))
+
+
+def test_a_table_of_dampings_and_a_hertz_contact_come_in_any_order():
+    hertz, table = HertzContact(SLEEVE, 1e7, 1.5), TimeVaryingDamping(SLEEVE, times=(0.0, 1.0), values=(20.0, 40.0))
+    one, other = changed(hertz, table), changed(table, hertz)
+    assert one == other
+    assert one.law.normal_force(0.5, 1e-4, 0.1, 0.0, one.law.values) == pytest.approx(1e7 * 1e-4**1.5 + 3.0)
+
+
+def test_a_sleeve_without_gap_presses_both_ways():
+    held = changed(Clearance(SLEEVE, clearance=0.0), HertzContact(SLEEVE, 1e7, 1.5))
+    assert contact_force(held, 1e-4) == -contact_force(held, -1e-4) == pytest.approx(-1e7 * 1e-4**1.5)
+
+
+def test_wear_widens_the_gap_from_the_records_start():
+    worn = changed(Wear(SLEEVE, rate=1e-5))
+    assert (worn.clearance, worn.clearance_rate) == (CONTACT.clearance, 1e-5)
+    assert contact_force(worn, 3e-4) == contact_force(CONTACT, 3e-4)
+
+
+@pytest.mark.parametrize("later", [0.5, 2.0])
+def test_a_worn_sleeve_is_touched_as_a_wider_one(later):
+    """The compiled stepper's penetration after a while: |q| - (clearance + rate t), closing slower by the rate."""
+    row = np.array([[CONTACT.clearance, 0.0, 1e-5, 0.0]])
+    p, rate, _ = penetration_of(row, 0, later, 3e-4, 0.02)
+    assert p == pytest.approx(1e-4 - 1e-5 * later)
+    assert rate == pytest.approx(0.02 - 1e-5)

@@ -193,7 +193,8 @@ def test_a_plant_carries_the_effect_where_it_sits(cls):
         plant = build_plant(BEAM, extra=(effect,))
         assert plant.effects == (effect,)
         for law in plant.laws:
-            assert law.port.position == effect.place.position
+            assert law.port.position == effect.place.position or law.port.spread
+            assert 0.0 < law.port.position <= BEAM.structure.length
             assert law.owner == effect.label()
 
 

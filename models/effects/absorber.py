@@ -1,0 +1,44 @@
+"""A small oscillator that hangs on the structure: a cable, a loose fixture, a tuned mass."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
+
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, StructureKind, parameter
+from models.structure import Absorber as Attached
+from models.structure import Structure
+
+
+@dataclass(frozen=True)
+class Absorber(Effect):
+    """A mass on a spring and a dashpot, with its frequency and damping ratio as on a fixed base, weight included."""
+
+    kind: ClassVar[str] = "absorber"
+    family: ClassVar[Family] = "structure"
+    places: ClassVar[tuple[PlaceKind, ...]] = ("position",)
+    structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
+    source: ClassVar[str] = "J. P. Den Hartog, Mechanical Vibrations (1956), section 3.2"
+    unique: ClassVar[bool] = False
+
+    mass: float = parameter("m_a", "kg", lower=0.0, neutral=0.0)
+    frequency: float = parameter("f_a", "Hz", lower=1e-3, spread=1.0)
+    damping_ratio: float = parameter("zeta_a", "-", lower=1e-4, upper=2.0, spread=1.0)
+
+    @classmethod
+    def trials(cls, scene: Scene) -> Iterator[Self]:
+        """2 % of the structure's mass at its first modes' frequencies, damped by 2 %."""
+        mass = 0.02 * scene.structure.line_mass * (scene.structure.length or 1.0)
+        for frequency in scene.natural_freqs:
+            yield cls(scene.place, mass=mass, frequency=frequency, damping_ratio=0.02)
+
+    def change_structure(self, structure: Structure) -> Structure:
+        """The structure with the oscillator on it."""
+        hung = Attached(self.place.position, self.mass, self.frequency, self.damping_ratio)
+        return replace(structure, absorbers=(*structure.absorbers, hung)) if self.mass > 0.0 else structure
+
+    def in_words(self) -> str:
+        """When it acts and what it does."""
+        return (
+            f"at every amplitude, near {self.frequency:.4g} Hz: {self.mass:.3g} kg on a spring move against the "
+            f"structure there (damping ratio {self.damping_ratio:.2g}), and one resonance becomes two"
+        )

@@ -1,0 +1,185 @@
+"""Axial load, damage, cracks, absorbers, drag and drift against closed forms, limits and invariants."""
+
+from dataclasses import replace
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+from effect_scenes import BEAM, OSCILLATOR
+
+from models.effects import Place
+from models.effects.absorber import Absorber
+from models.effects.axial_load import AxialLoad
+from models.effects.breathing_crack import BreathingCrack
+from models.effects.local_damage import LocalDamage
+from models.effects.quadratic_drag import QuadraticDrag
+from models.effects.stiffness_drift import StiffnessDrift
+from models.effects.structural_damping import StructuralDamping
+from models.errors import NoRestError
+from models.fine import FineSettings, fine_response
+from models.linear import linearised, natural_modes
+from models.modal import build_modal
+from models.plant import build_plant
+from models.record import Record
+from models.rig import Rig
+from models.simulate import Settings, simulate
+from models.structure import Structure
+
+BARE = Rig(**{**dict(BEAM), "sleeves": ()})
+WEIGHTLESS = BARE.model_copy(update={"structure": BARE.structure.model_copy(update={"gravity": 0.0})})
+LIFTED = BARE.model_copy(update={"structure": BARE.structure.model_copy(update={"gravity": -9.81})})
+STRUCTURE = Structure.of(BEAM.structure)
+EI, LENGTH, LINE_MASS = STRUCTURE.bending_stiffness, STRUCTURE.length, STRUCTURE.line_mass
+BUCKLING = EI * (0.5 * pi / LENGTH) ** 2
+FS = 2048.0
+
+
+def model(*effects, rig=BARE, n_modes=None):
+    return build_modal(build_plant(rig, extra=effects), band=400.0, n_modes=n_modes)
+
+
+def freqs(*effects, rig=BARE, n_modes=24):
+    return natural_modes(linearised(model(*effects, rig=rig, n_modes=n_modes)), (), 700.0).natural_freqs
+
+
+def pushed(rig, effects, force):
+    """(2, N) channels of the modal model under a force, from rest."""
+    record = Record("test", FS, force, ("tip", "mid"), np.zeros((2, len(force))))
+    return simulate(build_plant(rig, extra=effects), record, Settings(n_modes=24)).channels
+
+
+def burst(n=1024, seed=4):
+    """(n,) noise that starts and ends at nothing."""
+    wave = np.convolve(np.random.default_rng(seed).standard_normal(n + 15), np.ones(16) / 16.0, "valid")
+    return wave * np.sin(np.pi * np.arange(n) / n) ** 2
+
+
+def test_compression_softens_until_the_beam_buckles():
+    """Euler's load of the cantilever: nothing is left of the first mode's stiffness."""
+    near, nearer = (model(AxialLoad(Place(), force=-share * BUCKLING)).omega[0] for share in (0.998, 0.999))
+    assert (nearer / near) ** 2 == pytest.approx(0.5, rel=3e-3)  # the mode's shape still changes
+    with pytest.raises(NoRestError, match="axial_load"):
+        model(AxialLoad(Place(), force=-1.001 * BUCKLING))
+
+
+def test_tension_stiffens_by_the_work_of_the_load_on_the_slopes():
+    """Rayleigh's quotient to first order: N int phi'^2 dx over the modal mass, from an independent quadrature."""
+    plain, load = model(n_modes=16), 1e-4 * BUCKLING
+    x = np.linspace(0.0, LENGTH, 4001)
+    slopes = np.array([plain.rows(float(place), 1)[:4] for place in x])
+    work = load * np.trapezoid(slopes**2, x, axis=0)
+    grown = model(AxialLoad(Place(), force=load), n_modes=16).omega[:4] ** 2 - plain.omega[:4] ** 2
+    np.testing.assert_allclose(grown, work, rtol=1e-4)
+
+
+@pytest.mark.parametrize("place", [0.2, 0.75])
+def test_a_damaged_beam_sags_by_the_kink_that_its_weight_makes(place):
+    loss, width = 0.6, 0.06
+    soft = loss * width / ((1.0 - loss) * EI)
+    weight = LINE_MASS * STRUCTURE.gravity
+    sound = weight * LENGTH**4 / (8.0 * EI)
+    kink = soft * weight * (LENGTH - place) ** 2 / 2.0
+    tip = model(LocalDamage(Place(position=place), loss=loss)).rest_deflection(np.array([LENGTH]))[0]
+    assert tip == pytest.approx(-sound - kink * (LENGTH - place), rel=1e-9)
+
+
+def test_no_loss_is_no_damage():
+    assert build_plant(BEAM, extra=(LocalDamage(Place(position=0.5), loss=0.0),)).structure == STRUCTURE
+
+
+@pytest.mark.parametrize("place", [0.2, 0.75])
+def test_a_crack_that_the_weight_holds_open_is_a_damage(place):
+    """The mean curvature is what tells open from closed, so small motion about it is linear."""
+    at, loss = Place(position=place), 0.6
+    expected = freqs(LocalDamage(at, loss=loss), rig=LIFTED)[:4]
+    np.testing.assert_allclose(
+        freqs(BreathingCrack(at, loss=loss), rig=LIFTED)[:4], expected, rtol=5e-5
+    )  # modes left out
+    np.testing.assert_allclose(freqs(BreathingCrack(at, loss=loss), rig=BARE)[:4], freqs(rig=BARE)[:4], rtol=1e-9)
+    tip = [
+        model(kind(at, loss=loss), rig=LIFTED, n_modes=60).rest_deflection(np.array([LENGTH]))[0]
+        for kind in (BreathingCrack, LocalDamage)
+    ]
+    assert tip[0] == pytest.approx(tip[1], rel=1e-3)  # of a kink in smooth shapes
+
+
+def test_a_crack_shows_at_every_level_alike():
+    """Its law knows no scale: twice the force is twice the motion, though nothing about it is linear."""
+    crack, force = (BreathingCrack(Place(position=0.3), loss=0.6),), burst()
+    once, twice, down = (pushed(WEIGHTLESS, crack, factor * force) for factor in (1.0, 2.0, -1.0))
+    np.testing.assert_allclose(twice, 2.0 * once, atol=1e-4 * np.abs(once).max())  # the steps' error
+    assert np.linalg.norm(once + down) > 0.02 * np.linalg.norm(once)
+
+
+def test_a_crack_moves_alike_in_modes_and_in_finite_elements():
+    crack, force = (BreathingCrack(Place(position=0.3), loss=0.5),), burst()
+    fine = fine_response(build_plant(WEIGHTLESS, extra=crack), force, FS, FineSettings(n_elements=60))
+    apart = np.linalg.norm(pushed(WEIGHTLESS, crack, force) - fine) / np.linalg.norm(fine)
+    assert apart < 0.005  # a kink in 24 smooth shapes
+    assert np.linalg.norm(pushed(WEIGHTLESS, (), force) - fine) / np.linalg.norm(fine) > 0.05
+
+
+def test_an_absorber_splits_a_resonance_as_two_masses_on_two_springs():
+    mass, stiffness = OSCILLATOR.structure.mass, OSCILLATOR.structure.stiffness
+    hung, tuned = 0.1 * mass, sqrt(stiffness / mass)
+    expected = np.sqrt(np.linalg.eigvals([[1.1 * stiffness / mass, -0.1 * stiffness / mass], [-(tuned**2), tuned**2]]))
+    effect = Absorber(Place(), mass=hung, frequency=tuned / (2 * pi), damping_ratio=0.0)
+    np.testing.assert_allclose(model(effect, rig=OSCILLATOR).omega, np.sort(expected), rtol=1e-12)
+
+
+def test_a_stiff_absorber_is_a_mass_and_a_weightless_one_is_none():
+    tip = Place(position=LENGTH)
+    stiff = Absorber(tip, mass=0.3, frequency=1e5, damping_ratio=0.0)
+    sag = model(stiff).rest_deflection(np.array([LENGTH]))[0]
+    weight = LINE_MASS * STRUCTURE.gravity * LENGTH**4 / (8.0 * EI) + 0.3 * STRUCTURE.gravity * LENGTH**3 / (3.0 * EI)
+    assert sag == pytest.approx(-weight, rel=1e-6)
+    assert build_plant(BARE, extra=(replace(stiff, mass=0.0),)).structure == STRUCTURE
+
+
+def test_all_modes_have_half_the_loss_factor_as_their_damping_ratio():
+    damped = model(StructuralDamping(Place(), loss_factor=0.03), rig=BARE)
+    np.testing.assert_allclose(np.diag(damped.damping)[:-1], 0.03 * damped.omega[:-1], rtol=1e-9)  # the last is no mode
+
+
+def test_drag_takes_what_the_integral_along_the_beam_says():
+    """Power lost by each of the first modes, int c |v|^3 dx, against a fine quadrature."""
+    drag = QuadraticDrag(Place(), coefficient=50.0)
+    plain, x = model(n_modes=16), np.linspace(0.0, LENGTH, 4001)
+    laws = drag.point_laws(None, STRUCTURE)
+    for mode in range(4):
+        v = np.array([plain.rows(law.port.position)[mode] for law in laws])
+        found = sum(speed * law.force(0.0, 0.0, speed, 0.0, law.parameters) for speed, law in zip(v, laws, strict=True))
+        fine = np.array([plain.rows(float(place))[mode] for place in x])
+        # |v|^3 has kinks in its third derivative where the mode has nodes.
+        assert found == pytest.approx(-50.0 * np.trapezoid(np.abs(fine) ** 3, x), rel=0.01)
+
+
+def test_drag_is_nothing_beside_a_small_motion_and_damps_a_large_one():
+    drag, force = (QuadraticDrag(Place(), coefficient=100.0),), burst()
+    for level, low, high in ((1e-4, 0.0, 1e-4), (100.0, 0.02, 1.0)):
+        plain, dragged = pushed(WEIGHTLESS, (), level * force), pushed(WEIGHTLESS, drag, level * force)
+        assert low <= np.linalg.norm(dragged - plain) / np.linalg.norm(plain) < high
+
+
+def test_a_drift_changes_the_stiffness_of_every_mode_by_rate_times_time():
+    drift, t = StiffnessDrift(Place(), rate=0.02), 1.5
+    laws = drift.point_laws(None, STRUCTURE)
+    plain = model(n_modes=16)
+    rows = np.stack([plain.rows(law.port.position, 2)[:6] for law in laws])
+    slopes = np.array([law.force(t, 1.0, 0.0, 0.0, law.parameters) for law in laws])
+    added = -(rows.T * slopes) @ rows
+    np.testing.assert_allclose(np.diag(added), 0.02 * t * plain.omega[:6] ** 2, rtol=1e-3)
+    assert np.abs(added - np.diag(np.diag(added))).max() < 1e-3 * added[5, 5]
+
+
+def test_a_drift_begins_with_the_record_and_slides_the_frequency():
+    """The phase of a free oscillation runs ahead by the integral of half the growth of the stiffness."""
+    rate, n = 0.01, 8192
+    force = np.zeros(n)
+    force[:64] = np.sin(np.pi * np.arange(64) / 64) ** 2
+    plain, drifting = (pushed(WEIGHTLESS, effects, force)[0] for effects in ((), (StiffnessDrift(Place(), rate=rate),)))
+    omega, t = model(rig=WEIGHTLESS).omega[0], n / FS
+    turned = [np.angle(np.sum(x[-2048:] * np.exp(-1j * omega * np.arange(n)[-2048:] / FS))) for x in (plain, drifting)]
+    middle = t - 1024 / FS
+    assert (turned[1] - turned[0]) % (2 * pi) == pytest.approx(0.25 * omega * rate * middle**2, rel=0.03)  # other modes
+    np.testing.assert_allclose(drifting[:200], plain[:200], atol=3e-3 * np.abs(plain[:200]).max())
