@@ -7,7 +7,8 @@ import numpy as np
 from identification.calibrate import calibrate, unknowns_of
 from identification.evaluate import Evaluator, nrmse
 from identification.fit import Fit
-from identification.hypothesis import Hypothesis, effect_unknowns
+from identification.hypothesis import Hypothesis, OwnNumber, effect_unknowns
+from identification.in_step import in_step
 from identification.intervals import corrected
 from identification.prepare import prepare, start_unknowns
 from identification.result import RecordScore, Score
@@ -30,8 +31,10 @@ def assess(hypothesis: Hypothesis, records: Sequence[AnyRecord], *, jobs: int = 
 
 
 def with_starts(evaluator: Evaluator, hypothesis: Hypothesis) -> Hypothesis:
-    """The hypothesis with the starting states that fit its records best; as it is where all start at rest."""
+    """The hypothesis with the starting states, and other numbers of the records' own, that fit its records best."""
     unknowns = start_unknowns(hypothesis, [target.record for target in evaluator.timed])
+    hypothesis = in_step(evaluator, hypothesis, hypothesis.plant().effects)
+    unknowns = (*unknowns, *(u for u in effect_unknowns(hypothesis) if isinstance(u, OwnNumber)))
     return calibrate(evaluator, hypothesis, unknowns).hypothesis if unknowns else hypothesis
 
 

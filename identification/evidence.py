@@ -7,7 +7,7 @@ from math import log, pi
 import numpy as np
 
 from identification.fit import Fit
-from identification.hypothesis import EffectUnknown, PlaceUnknown, Unknown
+from identification.hypothesis import EffectUnknown, OwnNumber, PlaceUnknown, Unknown
 from models.effects import Effect
 
 LEAST_EVIDENCE = 12.0
@@ -139,6 +139,8 @@ PLACES = 20.0
 
 
 def _spread(unknown: Unknown) -> float:
+    if isinstance(unknown, OwnNumber):
+        return unknown.about.upper - unknown.about.lower
     assert isinstance(unknown, EffectUnknown)
     return float(np.sqrt(2.0 * pi) * (1.0 if unknown.about.scale == "log" else unknown.about.spread / unknown.unit))
 

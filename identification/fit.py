@@ -79,7 +79,7 @@ def fit(
     Args:
         evaluator: records and noise.
         hypothesis: where to start.
-        unknowns: what may move.
+        unknowns: what may move; those of records that the evaluator does not hold are left out.
         max_iterations: of Levenberg and Marquardt.
         jacobian: (n_kept, n_data) columns of the first unknowns, known from an earlier fit nearby.
         keep: never form the columns in ``jacobian`` anew; a quick look, not the minimum.
@@ -90,7 +90,8 @@ def fit(
     Raises:
         ArithmeticError: the start itself diverges.
     """
-    unknowns = tuple(unknowns)
+    there = {target.record.name for target in evaluator.targets}
+    unknowns = tuple(unknown for unknown in unknowns if unknown.record is None or unknown.record in there)
     prior = np.array([1.0 if unknown.prior else 0.0 for unknown in unknowns])
     state = _start(evaluator, hypothesis, unknowns, prior)
     rows = np.zeros((len(unknowns), evaluator.n_data))

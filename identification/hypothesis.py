@@ -30,6 +30,7 @@ class Hypothesis:
         effects: besides those of the rig file.
         starts: record name -> (2n,) modal state at its first sample; from rest where absent.
         offsets: record name -> what its excitation channel reads at rest, SI; 0 where absent.
+        own: record name -> the record's own numbers of effects (``Effect.record_parameters``), by name.
         registry: kind -> class.
     """
 
@@ -38,6 +39,7 @@ class Hypothesis:
     effects: tuple[Effect, ...] = ()
     starts: Mapping[str, FloatArray] = field(default_factory=dict)
     offsets: Mapping[str, float] = field(default_factory=dict)
+    own: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     registry: Registry = field(default_factory=lambda: EFFECTS, repr=False)
 
     @property
@@ -57,7 +59,8 @@ class Hypothesis:
             settings: resolution.
             plant: of this hypothesis, if it is at hand.
         """
-        return simulate(plant or self.plant(), self.at_zero(record), settings, self.starts.get(record.name))
+        start, own = self.starts.get(record.name), self.own.get(record.name)
+        return simulate(plant or self.plant(), self.at_zero(record), settings, start, own)
 
     def at_zero(self, record: Record) -> Record:
         """The record with its excitation less what its channel reads at rest."""
@@ -222,6 +225,43 @@ class OffsetUnknown(Unknown):
         return replace(hypothesis, offsets={**hypothesis.offsets, self.record: x * self.scale})
 
 
+@dataclass(frozen=True)
+class OwnNumber(Unknown):
+    """A number that one record has for itself of the effect with this index, in its own unit.
+
+    Attributes:
+        effect: index among the hypothesis's effects; -1 for an effect of the rig file.
+        name: of the number.
+    """
+
+    effect: int
+    name: str
+    about: Parameter
+    record: str
+    step: float = 0.02
+    prior: bool = False
+
+    def get(self, hypothesis: Hypothesis) -> float:
+        """The number; 0 where nobody has looked for it."""
+        return hypothesis.own.get(self.record, {}).get(self.name, 0.0)
+
+    def set(self, hypothesis: Hypothesis, x: float) -> Hypothesis:
+        """Unbounded: a phase may go round."""
+        return with_own_number(hypothesis, self.record, self.name, x)
+
+
+def with_own_number(hypothesis: Hypothesis, record: str, name: str, value: float) -> Hypothesis:
+    """With another value for a number of a record's own.
+
+    Args:
+        hypothesis: to change.
+        record: its name.
+        name: of the number.
+        value: in its own unit.
+    """
+    return replace(hypothesis, own={**hypothesis.own, record: {**hypothesis.own.get(record, {}), name: value}})
+
+
 def _with_effect(hypothesis: Hypothesis, index: int, effect: Effect) -> Hypothesis:
     effects = list(hypothesis.effects)
     effects[index] = effect
@@ -245,14 +285,31 @@ def effect_unknowns(hypothesis: Hypothesis, *, places: bool = True) -> tuple[Unk
             unknowns.append(EffectUnknown(index, entry, about, float(value), unit, prior=known))
         if places and free_place(effect) and isinstance(hypothesis.rig.structure, Beam):
             unknowns.append(PlaceUnknown(index, hypothesis.rig.structure.length))
+        unknowns += own_numbers(effect, index, [name for name in hypothesis.own if _has(hypothesis, name, effect)])
     return tuple(unknowns)
 
 
+def _has(hypothesis: Hypothesis, record: str, effect: Effect) -> bool:
+    """Whether the effect's numbers of a record's own have been looked for."""
+    return set(effect.record_parameters) <= set(hypothesis.own[record])
+
+
+def own_numbers(effect: Effect, index: int, records: Sequence[str]) -> list[Unknown]:
+    """The numbers of an effect that each record has for itself.
+
+    Args:
+        effect: of the hypothesis, or of the rig file.
+        index: among the hypothesis's effects; -1 for an effect of the rig file.
+        records: names.
+    """
+    return [OwnNumber(index, name, about, r) for r in records for name, about in effect.record_parameters.items()]
+
+
 def own_unknowns(hypothesis: Hypothesis) -> tuple[Unknown, ...]:
-    """The fitted numbers and the place of the last effect."""
+    """The fitted numbers and the place of the last effect, and what each record has for itself of it."""
     last = len(hypothesis.effects) - 1
     rows = effect_unknowns(hypothesis)
-    return tuple(u for u in rows if isinstance(u, EffectUnknown | PlaceUnknown) and u.effect == last)
+    return tuple(u for u in rows if isinstance(u, EffectUnknown | PlaceUnknown | OwnNumber) and u.effect == last)
 
 
 def free_place(effect: Effect) -> bool:

@@ -9,6 +9,7 @@ from identification.evaluate import Evaluator
 from identification.evidence import Ranked, misfit_in_common, reweighed, with_evidence
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, free_place, own_unknowns
+from identification.in_step import tried_with
 from identification.look import View, afar, beside
 from identification.progress import Progress
 from identification.scene import is_same_place, sleeves_of
@@ -197,8 +198,8 @@ def restarted(evaluator: Evaluator, base: Fit, found: Fit) -> Fit:
     unknowns = found.unknowns
     alone = [u for u in unknowns if u not in base.unknowns]
     for values in ({}, base.hypothesis.values):
-        start = replace(base.hypothesis, values=values).with_effects(effect)
         window = beginning(evaluator, *HEATS[-1][:2])
+        start = tried_with(window, replace(base.hypothesis, values=values), effect)
         try:
             first = fit(window, start, alone, tolerance=1e-2)
             again = calibrate(evaluator, first.hypothesis, unknowns)
@@ -223,7 +224,7 @@ def refit(evaluator: Evaluator, base: Fit, effect: Effect, values: Mapping[str, 
         effect: where its fit begins.
         values: of the rig's numbers there.
     """
-    hypothesis = replace(base.hypothesis, values=values).with_effects(effect)
+    hypothesis = tried_with(evaluator, replace(base.hypothesis, values=values), effect)
     try:
         unknowns = (*base.unknowns, *own_unknowns(hypothesis))
         return calibrate(evaluator, hypothesis, unknowns, REFIT_WINDOWS, tolerance=REFIT_TOLERANCE)

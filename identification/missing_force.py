@@ -60,7 +60,11 @@ def missing_forces(evaluator: Evaluator, hypothesis: Hypothesis) -> tuple[Missin
     found: list[MissingForce] = []
     for target in evaluator.timed:
         response = simulate(
-            plant, hypothesis.at_zero(target.record), settings, hypothesis.starts.get(target.record.name)
+            plant,
+            hypothesis.at_zero(target.record),
+            settings,
+            hypothesis.starts.get(target.record.name),
+            hypothesis.own.get(target.record.name),
         )
         if any(port.is_concentrated for port in response.model.ports):
             found.extend(_Run(target, response).missing_forces())

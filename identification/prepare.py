@@ -7,7 +7,7 @@ from math import pi
 import numpy as np
 
 from identification.evaluate import Evaluator, Target, TimeTarget, carry_noise, whitened
-from identification.hypothesis import Hypothesis, OffsetUnknown, StartUnknown, Unknown
+from identification.hypothesis import Hypothesis, OffsetUnknown, StartUnknown, Unknown, own_numbers
 from identification.noise import estimate_noise
 from identification.rest_target import FrfTarget, ModesTarget
 from models.arrays import FloatArray
@@ -51,13 +51,14 @@ def target_of(record: AnyRecord) -> Target:
 
 
 def start_unknowns(hypothesis: Hypothesis, records: Sequence[Record]) -> tuple[Unknown, ...]:
-    """The state at the first sample of each record that does not start at rest, mode by mode within the band.
+    """What each record has for itself: its state at the first sample where it does not start at rest, mode by mode.
 
     Where displacements are measured, the excitation channel's reading at rest is unknown with it: neither zero is then
-    seen.
+    seen. Effects of the rig file may have numbers of each record's own.
     """
-    unknowns: list[Unknown] = []
-    plant = hypothesis.plant()
+    plant, names = hypothesis.plant(), [record.name for record in records]
+    given = plant.effects[: len(hypothesis.rig.effects)]
+    unknowns = [number for effect in given for number in own_numbers(effect, -1, names)]
     for record in records:
         if record.moving_start:
             model = build_modal(plant, STOP_EDGE * record.fs)

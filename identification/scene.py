@@ -1,12 +1,13 @@
 """What the model says about the motion at every place where an effect could sit."""
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from identification.evaluate import Evaluator
 from identification.hypothesis import Hypothesis
+from identification.lines import lines_left
 from identification.rest_target import FrfTarget, ModesTarget
 from models.arrays import FloatArray
 from models.drive import drive_of
@@ -96,10 +97,11 @@ def scenes(evaluator: Evaluator, hypothesis: Hypothesis, places: Collection[Plac
         places: where.
     """
     plant = hypothesis.plant()
-    positions = sorted({place.position for place in places}, key=lambda p: p or 0.0)
+    at = {place: _watched_at(place, plant) for place in places}
+    positions = sorted(set(at.values()), key=lambda p: p or 0.0)
     watched = replace(plant, sensors=tuple(_probes(positions)), effects=())
     if not evaluator.timed:
-        return _scenes_at_rest(evaluator.at_rest, plant, watched, places, positions)
+        return _scenes_at_rest(evaluator.at_rest, plant, watched, at)
     size = dict.fromkeys(positions, Size())
     force = 0.0
     for target in evaluator.timed:
@@ -119,22 +121,30 @@ def scenes(evaluator: Evaluator, hypothesis: Hypothesis, places: Collection[Plac
             )
         force = max(force, _force(target.record, response, response.channels[1::2]))
     duration = max(target.record.duration for target in evaluator.timed)
-    common = _common(response.model, force or 1.0, duration)
+    common = replace(_common(response.model, force or 1.0, duration), lines=lines_left(evaluator, hypothesis))
     rest = _at_rest(response.model, positions)
-    return {place: _scene(place, common, plant, size[place.position], rest[place.position]) for place in places}
+    return {place: _scene(place, common, plant, size[x], rest[x]) for place, x in at.items()}
+
+
+def _watched_at(place: Place, plant: Plant) -> float | None:
+    """Where motion is watched for a place, m: there, at its sensor, or for the whole beam at its free end."""
+    if place.position is not None or not plant.structure.is_beam:
+        return place.position
+    at_sensor = [sensor.position for sensor in plant.sensors if sensor.name == place.sensor]
+    return next((position for position in at_sensor if position is not None), plant.structure.length)
 
 
 def _scenes_at_rest(
     targets: Sequence[FrfTarget | ModesTarget],
     plant: Plant,
     watched: Plant,
-    places: Collection[Place],
-    positions: Sequence[float | None],
+    at: Mapping[Place, float | None],
 ) -> dict[Place, Scene]:
     """The scenes under an excitation of 1 rms; of a rig without one, under a force at the free end."""
     if watched.excitation is None:
         end = watched.structure.length if watched.structure.is_beam else None
         watched = replace(watched, excitation=Excitation(quantity="force", position=end))
+    positions = [watched.sensors[k].position for k in range(0, len(watched.sensors), 2)]
     names = [sensor.name for sensor in watched.sensors]
     square, duration = np.zeros(len(names)), 0.0
     for target in targets:
@@ -147,12 +157,12 @@ def _scenes_at_rest(
     force = 1.0 if watched.excitation is not None and watched.excitation.quantity == "force" else _carried(linear.model)
     rest = _at_rest(linear.model, positions)
     found, common = {}, _common(linear.model, force, duration)
-    for place in places:
-        i = positions.index(place.position)
-        deepest = max(0.0, depth[place.position] + largest[i]) if place.position in depth else 0.0
+    for place, position in at.items():
+        i = positions.index(position)
+        deepest = max(0.0, depth[position] + largest[i]) if position in depth else 0.0
         moves = float(speed[i])
         size = Size().grown(Size(float(largest[i]), moves, moves, float(deepest)))
-        found[place] = _scene(place, common, plant, size, rest[place.position])
+        found[place] = _scene(place, common, plant, size, rest[position])
     return found
 
 

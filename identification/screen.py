@@ -12,6 +12,7 @@ import numpy as np
 from identification.evaluate import Evaluator
 from identification.fit import Fit
 from identification.hypothesis import Hypothesis
+from identification.in_step import tried_with
 from identification.progress import Progress
 from identification.scene import is_same_place, places_near, places_of, scenes
 from models.arrays import FloatArray
@@ -153,7 +154,7 @@ def _residuals(
     """Each trial with the residual of the model that has it too; those that diverge are left out."""
     for start in range(0, len(trials), BATCH):
         batch = trials[start : start + BATCH]
-        rows = evaluator.residuals([(model.with_effects(effect), None) for effect in batch])
+        rows = evaluator.residuals([(tried_with(evaluator, model, effect), None) for effect in batch])
         yield from ((effect, row) for effect, row in zip(batch, rows, strict=True) if row is not None)
 
 

@@ -13,6 +13,7 @@ from identification.evaluate import Evaluator, in_parallel
 from identification.evidence import log_occam
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, Unknown, own_unknowns
+from identification.in_step import tried_with
 from identification.progress import silent
 from identification.scene import NEAR, is_same_place
 from identification.screen import Projection, promising, survey
@@ -82,7 +83,7 @@ def heats(
         schedule: what each heat sees, and how many it leaves.
         near: whether the start is near enough to move all unknowns at once from the first.
     """
-    starts = [start.with_effects(effect) for effect in suspects]
+    starts = [tried_with(evaluator, start, effect) for effect in suspects]
     sketches: list[Sketch] = []
     for share, seconds, most in schedule:
         window = beginning(evaluator, share, seconds)
@@ -137,7 +138,7 @@ def rivals(evaluator: Evaluator, base: Fit, sketches: Sequence[Sketch], registry
         return []
     others = {name: kind for name, kind in registry.items() if name not in seen}
     found = promising(survey(evaluator, there, others, silent, position), 1)
-    return [bare.with_effects(suspect.effect) for suspect in found]
+    return [tried_with(evaluator, bare, suspect.effect) for suspect in found]
 
 
 def _reaches(effect: Effect, position: float, rig: Rig) -> bool:
@@ -293,7 +294,7 @@ def _together(
 
 def _best_size(evaluator: Evaluator, model: Hypothesis, projection: Projection, sizes: Sequence[Effect]) -> Hypothesis:
     """The model with the effect at the size that leaves least when the rig's numbers do what they can."""
-    trials = [model.with_effects(size) for size in sizes]
+    trials = [tried_with(evaluator, model, size) for size in sizes]
     rows = evaluator.residuals([(trial, None) for trial in trials])
     left = [inf if row is None else projection.left_of(row) for row in rows]
     return trials[left.index(min(left))]

@@ -244,7 +244,8 @@ def measurement_chain(plant: Plant, sensors: Sequence[str], frequency: FloatArra
         return chain
     fs = CHAIN_RATE * float(np.max(frequency))
     # As a recorder would have it: an impulse of all frequencies would ring without end once it is delayed.
-    gain = recorder_gain(np.arange(CHAIN_SAMPLES // 2 + 1) * (fs / CHAIN_SAMPLES), fs)
+    freq = np.asarray(np.arange(CHAIN_SAMPLES // 2 + 1) * (fs / CHAIN_SAMPLES), np.float64)
+    gain = recorder_gain(freq, fs)
     impulse = np.roll(np.fft.irfft(gain, CHAIN_SAMPLES), CHAIN_SAMPLES // 2)
 
     def spectrum(signal: FloatArray) -> ComplexArray:

@@ -29,7 +29,14 @@ LEAST_DETERMINANT, LARGEST_DETERMINANT = 0.1, 1e6
 FINITE = 1e30
 """Beyond it a motion counts as lost."""
 
-OPTIONS: dict[str, Any] = {"nogil": True, "cache": True, "fastmath": {"contract", "reassoc", "nsz", "arcp"}}
+OPTIONS: dict[str, Any] = {
+    "nogil": True,
+    "cache": True,
+    "error_model": "numpy",
+    "fastmath": {"contract", "reassoc", "nsz", "arcp"},
+}
+"""A division by nothing gives no number, which counts as a motion that is lost."""
+
 INLINE: dict[str, Any] = {**OPTIONS, "inline": "always"}
 """For what runs in every step: a call that hands over arrays would cost more than the arithmetic."""
 

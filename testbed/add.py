@@ -10,6 +10,7 @@ from identification.assess import fit_effects
 from identification.evaluate import Evaluator
 from identification.fit import Fit
 from identification.hypothesis import Hypothesis
+from identification.in_step import tried_with
 from identification.prepare import prepare
 from identification.scene import scenes
 from models.effects import EFFECTS, Effect, build_effect
@@ -65,7 +66,7 @@ def add_effect(rig: Rig, entry: EffectEntry, records: Sequence[Record], *, seed:
     before = Hypothesis(rig)
     evaluator = prepare(before, records, jobs, np.random.default_rng(seed))
     best = _best(evaluator, before, trials_at(evaluator, before, pattern, entry.settings), pattern)
-    found = fit_effects(before.with_effects(best), records, jobs=jobs, seed=seed)
+    found = fit_effects(tried_with(evaluator, before, best), records, jobs=jobs, seed=seed)
     comparisons = [compare(hypothesis, records, seed=seed, jobs=jobs) for hypothesis in (before, found.hypothesis)]
     return Added(before, found, *comparisons)
 
@@ -108,7 +109,7 @@ def trials_at(
 
 
 def _best(evaluator: Evaluator, hypothesis: Hypothesis, trials: Sequence[Effect], pattern: Effect) -> Effect:
-    rows = evaluator.residuals([(hypothesis.with_effects(trial), None) for trial in trials])
+    rows = evaluator.residuals([(tried_with(evaluator, hypothesis, trial), None) for trial in trials])
     sizes = [np.inf if row is None else float(row @ row) for row in rows]
     if not np.isfinite(sizes).any():
         raise DivergenceError(f"{pattern.label()}: the motion grew without bound for every trial value")

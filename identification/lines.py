@@ -1,0 +1,70 @@
+"""Single lines that a model leaves in the records: a hum, a floor that shakes at one frequency."""
+
+import numpy as np
+from scipy.ndimage import median_filter
+
+from identification.evaluate import Evaluator, TimeTarget
+from identification.hypothesis import Hypothesis
+from identification.period import find_period
+from models.arrays import FloatArray
+from models.band_limit import SCORE_EDGE
+
+PADDED = 4
+"""How much finer than a record's own lines frequencies are read."""
+
+NEIGHBOURS = 40
+"""Lines of the padded spectrum among which a single one is to stand out."""
+
+STANDS_OUT = 25.0
+"""Power over the neighbours' median; in noise of two channels one line in ten thousand does."""
+
+MOST = 4
+
+
+def lines_left(evaluator: Evaluator, hypothesis: Hypothesis) -> tuple[float, ...]:
+    """Frequencies, Hz, of single lines in the longest record, the one that stands out most first.
+
+    Lines of an excitation that repeats come last: a model with wrong numbers leaves them all.
+
+    Args:
+        evaluator: with the records.
+        hypothesis: the model.
+    """
+    if not evaluator.timed:
+        return ()
+    target = max(evaluator.timed, key=lambda each: each.record.duration)
+    (response,) = evaluator.with_targets([target]).responses(hypothesis)
+    power, spacing = _power(target, response.channels[:, : target.record.n_samples] - target.record.responses)
+    excess = power / np.maximum(median_filter(power, NEIGHBOURS), np.finfo(float).tiny)
+    peaks = 1 + np.flatnonzero((power[1:-1] > power[:-2]) & (power[1:-1] >= power[2:]) & (excess[1:-1] > STANDS_OUT))
+    frequencies = spacing * np.array([_between(power, k) for k in peaks.tolist()])
+    shared = _is_driven(target, frequencies)
+    order = np.lexsort((-excess[peaks], shared))
+    return tuple(float(f) for f in frequencies[order[:MOST]])
+
+
+def _power(target: TimeTarget, residual: FloatArray) -> tuple[FloatArray, float]:
+    """Power of the residual over all channels in units of their noise, and the distance of its lines, Hz."""
+    n, fs = target.record.n_samples, target.record.fs
+    window = np.hanning(n)
+    sigma = np.maximum(target.noise.sensors, np.finfo(float).tiny)[:, None]
+    spectrum = np.fft.rfft(residual / sigma * window, PADDED * n)
+    power = np.sum(np.abs(spectrum) ** 2, axis=0)
+    return np.asarray(power[: int(SCORE_EDGE * PADDED * n)]), fs / (PADDED * n)
+
+
+def _between(power: FloatArray, k: int) -> float:
+    """Where a parabola through the logarithms about line k is highest."""
+    low, mid, high = np.log(power[k - 1 : k + 2])
+    return float(k + 0.5 * (low - high) / (low - 2.0 * mid + high))
+
+
+def _is_driven(target: TimeTarget, frequencies: FloatArray) -> FloatArray:
+    """Whether a frequency lies on a line of an excitation that repeats."""
+    excitation = target.record.excitation
+    period = None if excitation is None else find_period(excitation)
+    if period is None:
+        return np.zeros(len(frequencies))
+    lines = frequencies * period / target.record.fs
+    away = np.abs(lines - np.round(lines)) * target.record.n_samples / period
+    return np.asarray(away < 0.5, float)
