@@ -92,6 +92,15 @@ class TimeTarget:
         line = np.linspace(0, self.density.shape[1] - 1, measured.shape[1]).astype(int)
         return TimeTarget(short, self.noise, measured, self.density[:, line], _first(self.driven, n + AHEAD))
 
+    def without(self, name: str) -> "TimeTarget":
+        """Without the channel of a sensor, if it has that."""
+        kept = [i for i, sensor in enumerate(self.record.sensors) if sensor != name]
+        if len(kept) == len(self.record.sensors):
+            return self
+        record, driven = (_of_channels(record, kept) for record in (self.record, self.driven))
+        noise = replace(self.noise, sensors=self.noise.sensors[kept])
+        return TimeTarget(record, noise, self.measured[kept], self.density[kept], driven)
+
     def spectrum(self, channels: FloatArray) -> ComplexArray:
         """(n, lines) spectrum of what was simulated, as far as it is judged."""
         return scored_spectrum(channels[:, : self.record.n_samples])
@@ -130,6 +139,11 @@ class TimeTarget:
 
 AHEAD = 16
 """Samples that must follow one for it to be judged: the recorder's filter and the force between samples see them."""
+
+
+def _of_channels(record: Record, kept: Sequence[int]) -> Record:
+    """The record with some of its channels only."""
+    return replace(record, sensors=tuple(record.sensors[i] for i in kept), responses=record.responses[list(kept)])
 
 
 def _first(record: Record, n_samples: int) -> Record:
@@ -261,29 +275,28 @@ class Evaluator:
             hypotheses: each with the name of the only record that differs from the last full one, or None; the other
                 records' parts are then left at 0.
         """
-        jobs = [
-            (number, k, hypothesis)
-            for number, (hypothesis, only) in enumerate(hypotheses)
-            for k, target in enumerate(self.targets)
-            if only is None or target.record.name == only
-        ]
-        if not jobs:
-            return []
-        rows: list[FloatArray | None] = [np.zeros(self.n_data) for _ in range(jobs[-1][0] + 1)]
+        asked = list(hypotheses)
+        rows: list[FloatArray | None] = [np.zeros(self.n_data) for _ in asked]
         ends = np.cumsum([target.n_data for target in self.targets])
 
-        def one(job: tuple[int, int, Hypothesis]) -> None:
-            number, k, hypothesis = job
-            try:
-                part = self.targets[k].residual(hypothesis, self.settings)
-            except DivergenceError:
-                rows[number] = None
-                return
-            row = rows[number]
-            if row is not None:
+        def one(job: tuple[int, Sequence[int]]) -> None:
+            number, wanted = job
+            for k in wanted:
+                try:
+                    part = self.targets[k].residual(asked[number][0], self.settings)
+                except DivergenceError:
+                    rows[number] = None
+                row = rows[number]
+                if row is None:
+                    return
                 row[ends[k] - len(part) : ends[k]] = part
 
-        self.n_runs += len(jobs)
+        jobs: list[tuple[int, Sequence[int]]] = []
+        for number, (_, only) in enumerate(asked):
+            wanted = [k for k, target in enumerate(self.targets) if only is None or target.record.name == only]
+            # Records one after the other share the model; where there are few models, each record is a job.
+            jobs += [(number, wanted)] if len(asked) >= self.jobs else [(number, [k]) for k in wanted]
+        self.n_runs += sum(len(wanted) for _, wanted in jobs)
         in_parallel(self.jobs, one, jobs)
         return rows
 

@@ -1,12 +1,14 @@
 """Single lines that a model leaves in the records: a hum, a floor that shakes at one frequency."""
 
+from dataclasses import dataclass
+
 import numpy as np
-from scipy.ndimage import median_filter
+from scipy.ndimage import maximum_filter1d, median_filter
 
 from identification.evaluate import Evaluator, TimeTarget
 from identification.hypothesis import Hypothesis
 from identification.period import find_period
-from models.arrays import FloatArray
+from models.arrays import BoolArray, FloatArray
 from models.band_limit import SCORE_EDGE
 
 PADDED = 4
@@ -15,32 +17,47 @@ PADDED = 4
 NEIGHBOURS = 40
 """Lines of the padded spectrum among which a single one is to stand out."""
 
+NEIGHBOURS_DRIVEN = 17
+"""Lines of the excitation among which one is to stand out to be more than that."""
+
 STANDS_OUT = 25.0
 """Power over the neighbours' median; in noise of two channels one line in ten thousand does."""
 
 MOST = 4
 
 
-def lines_left(evaluator: Evaluator, hypothesis: Hypothesis) -> tuple[float, ...]:
-    """Frequencies, Hz, of single lines in the longest record, the one that stands out most first.
+@dataclass(frozen=True)
+class Lines:
+    """Frequencies, Hz, of single lines, the one that stands out most first.
 
-    Lines of an excitation that repeats come last: a model with wrong numbers leaves them all.
+    Attributes:
+        free: that the excitation does not hold.
+        driven: on lines of an excitation that repeats: a model with wrong numbers leaves them all.
+    """
+
+    free: tuple[float, ...] = ()
+    driven: tuple[float, ...] = ()
+
+
+def lines_left(evaluator: Evaluator, hypothesis: Hypothesis) -> Lines:
+    """The lines that stand out most in what a model leaves of the longest record.
 
     Args:
         evaluator: with the records.
         hypothesis: the model.
     """
     if not evaluator.timed:
-        return ()
+        return Lines()
     target = max(evaluator.timed, key=lambda each: each.record.duration)
     (response,) = evaluator.with_targets([target]).responses(hypothesis)
     power, spacing = _power(target, response.channels[:, : target.record.n_samples] - target.record.responses)
     excess = power / np.maximum(median_filter(power, NEIGHBOURS), np.finfo(float).tiny)
     peaks = 1 + np.flatnonzero((power[1:-1] > power[:-2]) & (power[1:-1] >= power[2:]) & (excess[1:-1] > STANDS_OUT))
     frequencies = spacing * np.array([_between(power, k) for k in peaks.tolist()])
-    shared = _is_driven(target, frequencies)
-    order = np.lexsort((-excess[peaks], shared))
-    return tuple(float(f) for f in frequencies[order[:MOST]])
+    frequencies = frequencies[np.argsort(-excess[peaks])]
+    driven = _is_driven(target, frequencies, power)
+    free, held = (tuple(part[:MOST].tolist()) for part in (frequencies[~driven], frequencies[driven]))
+    return Lines(free, held)
 
 
 def _power(target: TimeTarget, residual: FloatArray) -> tuple[FloatArray, float]:
@@ -59,12 +76,17 @@ def _between(power: FloatArray, k: int) -> float:
     return float(k + 0.5 * (low - high) / (low - 2.0 * mid + high))
 
 
-def _is_driven(target: TimeTarget, frequencies: FloatArray) -> FloatArray:
-    """Whether a frequency lies on a line of an excitation that repeats."""
+def _is_driven(target: TimeTarget, frequencies: FloatArray, power: FloatArray) -> BoolArray:
+    """Whether a frequency lies on a line of an excitation that repeats, and is no more than such lines are there."""
     excitation = target.record.excitation
     period = None if excitation is None else find_period(excitation)
     if period is None:
-        return np.zeros(len(frequencies))
+        return np.zeros(len(frequencies), bool)
+    step = PADDED * target.record.n_samples / period
+    at = np.round(np.arange(int(len(power) / step)) * step).astype(int)
+    held = maximum_filter1d(power, PADDED + 1)[at]
+    usual = median_filter(held, NEIGHBOURS_DRIVEN)
     lines = frequencies * period / target.record.fs
-    away = np.abs(lines - np.round(lines)) * target.record.n_samples / period
-    return np.asarray(away < 0.5, float)
+    nearest = np.minimum(np.round(lines).astype(int), len(at) - 1)
+    away = np.abs(lines - nearest) * target.record.n_samples / period
+    return np.asarray((away < 0.5) & (held[nearest] < STANDS_OUT * usual[nearest]))

@@ -24,13 +24,19 @@ GRID = 12
 """Positions tried along the beam; the shortest wave in the band spans several."""
 
 
-def places_of(kind: type[Effect], rig: Rig) -> list[Place]:
+def places_of(kind: type[Effect], rig: Rig, sensors: Collection[str] | None = None) -> list[Place]:
     """Where an effect of this kind could sit on this rig, positions on a grid that a fit refines.
 
     What can sit anywhere is looked for at the sleeves' positions, from where a fit can move it.
+
+    Args:
+        kind: of effect.
+        rig: with its sleeves and sensors.
+        sensors: on which it may sit; on all by default.
     """
+    suspected = [Place(sensor=s.name) for s in rig.sensors if sensors is None or s.name in sensors]
     if not isinstance(rig.structure, Beam):
-        return [Place(sensor=s.name) for s in rig.sensors] if "sensor" in kind.places else [Place()]
+        return suspected if "sensor" in kind.places else [Place()]
     if not kind.places:
         return [Place()]
     places: list[Place] = []
@@ -41,7 +47,7 @@ def places_of(kind: type[Effect], rig: Rig) -> list[Place]:
     elif "sleeve" in kind.places:
         places += sleeves_of(rig)
     if "sensor" in kind.places:
-        places += [Place(sensor=s.name) for s in rig.sensors]
+        places += suspected
     return places
 
 
@@ -121,7 +127,9 @@ def scenes(evaluator: Evaluator, hypothesis: Hypothesis, places: Collection[Plac
             )
         force = max(force, _force(target.record, response, response.channels[1::2]))
     duration = max(target.record.duration for target in evaluator.timed)
-    common = replace(_common(response.model, force or 1.0, duration), lines=lines_left(evaluator, hypothesis))
+    lines = lines_left(evaluator, hypothesis)
+    common = _common(response.model, force or 1.0, duration)
+    common = replace(common, lines=(lines.free + lines.driven)[:MOST_LINES])
     rest = _at_rest(response.model, positions)
     return {place: _scene(place, common, plant, size[x], rest[x]) for place, x in at.items()}
 
@@ -250,6 +258,8 @@ def _common(model: ModalModel, force: float, duration: float) -> Scene:
         natural_freqs=tuple(float(f) for f in modes.natural_freqs[:N_MODES]),
     )
 
+
+MOST_LINES = 4
 
 N_MODES = 6
 """Natural frequencies that a scene tells."""

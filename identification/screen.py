@@ -4,7 +4,7 @@ For each trial value the model is simulated once. The change of the response, fr
 could do as well, is laid on the residual; the share of chi-square that it takes away, at its best size, is the score.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -80,7 +80,9 @@ LEAST_FACTOR, LARGEST_FACTOR = 1e-3, 3.0
 """Range in which the size of an effect is believed to act in proportion; a factor at its end is only a direction."""
 
 
-def screen(evaluator: Evaluator, base: Fit, registry: Registry, progress: Progress) -> list[Suspect]:
+def screen(
+    evaluator: Evaluator, base: Fit, registry: Registry, progress: Progress, sensors: Collection[str] | None = None
+) -> list[Suspect]:
     """Every kind at every place, the most promising first.
 
     Args:
@@ -88,9 +90,10 @@ def screen(evaluator: Evaluator, base: Fit, registry: Registry, progress: Progre
         base: the calibrated model on the same records.
         registry: kinds to try.
         progress: told how many simulations are coming.
+        sensors: on which effects may sit; on all by default.
     """
     projection = Projection(base)
-    trials = _trials(evaluator, base, registry)
+    trials = _trials(evaluator, base, registry, sensors=sensors)
     first = [row[len(row) // 2] for row in trials.values()]
     progress(f"screening {len(registry)} kinds of effect at every place: {len(first)} trials")
     suspects = _tried(evaluator, base, projection, first)
@@ -106,7 +109,12 @@ PLACES_TO_VARY = 3
 
 
 def survey(
-    evaluator: Evaluator, start: Fit, registry: Registry, progress: Progress, near: float | None = None
+    evaluator: Evaluator,
+    start: Fit,
+    registry: Registry,
+    progress: Progress,
+    near: float | None = None,
+    sensors: Collection[str] | None = None,
 ) -> list[Suspect]:
     """Every kind at every place at many sizes, none taken to act in proportion, the most promising first.
 
@@ -119,9 +127,10 @@ def survey(
         registry: kinds to try.
         progress: told how many simulations are coming.
         near: only at this position along the beam, m, and at sleeves close to it.
+        sensors: on which effects may sit; on all by default.
     """
     projection = Projection(start)
-    ladder = [size for row in _trials(evaluator, start, registry, near).values() for size in _ladder(row)]
+    ladder = [size for row in _trials(evaluator, start, registry, near, sensors).values() for size in _ladder(row)]
     progress(f"surveying {len(registry)} kinds of effect at every place: {len(ladder)} trials")
     suspects = [
         Suspect(effect, projection.misfit - projection.left_of(row))
@@ -168,12 +177,16 @@ def _two_sided(effect: Effect) -> bool:
 
 
 def _trials(
-    evaluator: Evaluator, base: Fit, registry: Registry, near: float | None = None
+    evaluator: Evaluator,
+    base: Fit,
+    registry: Registry,
+    near: float | None = None,
+    sensors: Collection[str] | None = None,
 ) -> dict[tuple[str, Place], list[Effect]]:
     """Trial effects by kind and place."""
     rig = base.hypothesis.rig
     kinds = [kind for kind in registry.values() if rig.structure.kind in kind.structures]
-    places = {kind: places_of(kind, rig) if near is None else places_near(kind, rig, near) for kind in kinds}
+    places = {kind: places_of(kind, rig, sensors) if near is None else places_near(kind, rig, near) for kind in kinds}
     wanted = {place for row in places.values() for place in row}
     seen = scenes(evaluator, base.hypothesis, wanted) if wanted else {}
     trials: dict[tuple[str, Place], list[Effect]] = {}

@@ -96,8 +96,9 @@ class ModalModel:
         return np.array([self._matrices.row(float(position)) @ bent for position in x])
 
 
+@lru_cache(maxsize=64)
 def build_modal(plant: Plant, band: float, n_modes: int | None = None) -> ModalModel:
-    """The modal model for motion up to a frequency.
+    """The modal model for motion up to a frequency, kept for the next record.
 
     Args:
         plant: the rig with its effects.

@@ -1,5 +1,7 @@
 """A modal model as the compiled stepper takes it: the tables of one step, and of the laws and contacts."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from models.arrays import FloatArray
@@ -7,7 +9,7 @@ from models.drive import Drive
 from models.law import law_address
 from models.modal import ModalModel
 from models.ports import Port
-from models.propagator import Blocks, exact_step, to_blocks
+from models.propagator import Blocks, Step, exact_step, to_blocks
 from models.rest import is_bilateral
 from models.stepping import Items, Linear, Reading
 
@@ -15,11 +17,7 @@ from models.stepping import Items, Linear, Reading
 def linear_of(model: ModalModel, drive: Drive, h: float) -> tuple[Blocks, Linear, FloatArray]:
     """The linear system, a step of it as the stepper takes it, and the (n_in, M) known inputs."""
     n_ports = len(model.ports)
-    excitation = model.plant.excitation
-    place = excitation.position if excitation is not None and excitation.position is not None else None
-    inputs = np.column_stack([*model.port_rows, model.rows(place), -model.carried])
-    system = to_blocks(model.omega, model.damping, inputs)
-    step = exact_step(system, h)
+    system, step = _step_of(model, h)
     given = [(n_ports, drive.force), (n_ports + 1, drive.base)]
     known = [(column, signal) for column, signal in given if signal is not None]
     columns = [column for column, _ in known]
@@ -36,6 +34,16 @@ def linear_of(model: ModalModel, drive: Drive, h: float) -> tuple[Blocks, Linear
         h=h,
     )
     return system, linear, np.stack([signal for _, signal in known])
+
+
+@lru_cache(maxsize=64)
+def _step_of(model: ModalModel, h: float) -> tuple[Blocks, Step]:
+    """The linear system and a step of it, for the ports' forces, the excitation and the base, kept for more records."""
+    excitation = model.plant.excitation
+    place = excitation.position if excitation is not None and excitation.position is not None else None
+    inputs = np.column_stack([*model.port_rows, model.rows(place), -model.carried])
+    system = to_blocks(model.omega, model.damping, inputs)
+    return system, exact_step(system, h)
 
 
 def items_of(model: ModalModel) -> Items:

@@ -16,6 +16,7 @@ from models.effects.clearance import Clearance
 from models.effects.contact_stiffness import ContactStiffness
 from models.effects.coulomb_friction import CoulombFriction
 from models.effects.cubic_stiffness import CubicStiffness
+from models.effects.end_stop import EndStop
 from models.effects.force_gain import ForceGain
 from models.effects.gap_offset import GapOffset
 from models.effects.hertz_contact import HertzContact
@@ -51,6 +52,7 @@ EFFECTS: dict[str, type[Effect]] = {
     "coulomb_friction": CoulombFriction,
     "quadratic_stiffness": QuadraticStiffness,
     "cubic_stiffness": CubicStiffness,
+    "end_stop": EndStop,
     "bouc_wen": BoucWen,
     "point_stiffness": PointStiffness,
     "point_damping": PointDamping,

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, PlaceKind, Scene, StructureKind, parameter
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature, StructureKind, parameter
 from models.structure import Absorber as Attached
 from models.structure import Structure
 
@@ -18,6 +18,12 @@ class Absorber(Effect):
     places: ClassVar[tuple[PlaceKind, ...]] = ("position",)
     structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
     source: ClassVar[str] = "J. P. Den Hartog, Mechanical Vibrations (1956), section 3.2"
+    signature: ClassVar[Signature] = Signature(
+        frequency="one resonance becomes two about the absorber's own frequency, or shows a notch there",
+        level="the same at every level",
+        time="a free decay beats as energy goes there and back; alike through the record",
+        place="modes that move at its place; in the notch the beam stands still there",
+    )
     unique: ClassVar[bool] = False
 
     mass: float = parameter("m_a", "kg", lower=0.0, neutral=0.0)

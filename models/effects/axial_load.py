@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from math import pi
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, Scene, parameter
+from models.effects.protocol import Effect, Family, Scene, Signature, parameter
 from models.structure import Structure
 
 
@@ -16,6 +16,12 @@ class AxialLoad(Effect):
     kind: ClassVar[str] = "axial_load"
     family: ClassVar[Family] = "structure"
     source: ClassVar[str] = "A. Bokaian, J. Sound Vib. 126 (1988) 49 and 142 (1990) 481"
+    signature: ClassVar[Signature] = Signature(
+        frequency="frequencies rise under tension and fall under compression, the lowest by the largest share",
+        level="the same at every level, save that the beam sags less or more",
+        time="the same through the record",
+        place="the whole beam; shapes hardly change",
+    )
 
     force: float = parameter("N", "N", lower=-1e9, upper=1e9, scale="linear", spread=1e3, neutral=0.0)
 

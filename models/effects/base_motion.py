@@ -8,7 +8,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from models.arrays import FloatArray
-from models.effects.protocol import Effect, Family, Parameter, Scene, StructureKind, parameter
+from models.effects.protocol import Effect, Family, Parameter, Scene, Signature, StructureKind, parameter
 
 PHASE = Parameter("phi", "rad", lower=-pi, upper=pi, scale="linear", spread=2.0)
 
@@ -21,6 +21,12 @@ class BaseMotion(Effect):
     family: ClassVar[Family] = "measurement"
     structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
     source: ClassVar[str] = "R. W. Clough, J. Penzien, Dynamics of Structures (1993), section 2.5: support excitation"
+    signature: ClassVar[Signature] = Signature(
+        frequency="one line that the excitation does not hold, larger near a resonance",
+        level="of one size, so that its share is largest at low level",
+        time="from the record's start, steady once the beam's own motion has died out",
+        place="all channels: the floor's acceleration and the beam's answer, shaped like the beam",
+    )
     record_parameters: ClassVar[Mapping[str, Parameter]] = {"base_phase": PHASE}
 
     frequency: float = parameter("f_b", "Hz", lower=0.1, upper=1e4, spread=1.0)

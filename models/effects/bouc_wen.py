@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, PlaceKind, Scene, StructureKind, parameter
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature, StructureKind, parameter
 from models.ports import Contact, PointLaw
 from models.structure import Structure
 
@@ -18,6 +18,12 @@ class BoucWen(Effect):
     places: ClassVar[tuple[PlaceKind, ...]] = ("position",)
     structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
     source: ClassVar[str] = "Y.-K. Wen, J. Eng. Mech. Div. ASCE 102 (1976) 249, with A = 1 and beta = gamma = 0.5"
+    signature: ClassVar[Signature] = Signature(
+        frequency="resonances stiff and sharp, then lower and wide, then as without it; odd harmonics",
+        level="a spring at low level, most loss where the motion passes the yield displacement, little far above",
+        time="depends on the last reversal and not on speed; a record can end off its start",
+        place="modes that move at its place",
+    )
 
     force: float = parameter("F_h", "N", lower=0.0, neutral=0.0)
     yield_displacement: float = parameter("u_y", "m", lower=1e-12, spread=1.5)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 from models.effects.local_damage import WIDTH, softness
-from models.effects.protocol import Effect, Family, PlaceKind, Scene, parameter
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature, parameter
 from models.ports import Contact, PointLaw, Port
 from models.structure import Structure
 
@@ -24,6 +24,12 @@ class BreathingCrack(Effect):
     family: ClassVar[Family] = "point force"
     places: ClassVar[tuple[PlaceKind, ...]] = ("position",)
     source: ClassVar[str] = "S. M. Cheng, X. J. Wu, W. Wallace, A. S. J. Swamidas, J. Sound Vib. 225 (1999) 201"
+    signature: ClassVar[Signature] = Signature(
+        frequency="frequencies fall by about half of what the open crack would take; even harmonics",
+        level="the same at every level, or under a sag only once the motion bends the crack past it",
+        time="half of each swing, while the crack is open",
+        place="modes that bend at its place",
+    )
 
     loss: float = parameter("d", "-", lower=0.0, upper=0.999, neutral=0.0)
     width: float = parameter("w", "m", lower=1e-6, fitted=False, default=WIDTH)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from math import inf
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, Scene, parameter
+from models.effects.protocol import Effect, Family, Scene, Signature, parameter
 from models.structure import Structure
 
 BUILT_IN = 1e6
@@ -20,6 +20,12 @@ class ClampCompliance(Effect):
     kind: ClassVar[str] = "clamp_compliance"
     family: ClassVar[Family] = "structure"
     source: ClassVar[str] = "M. J. Maurizi, R. E. Rossi, J. A. Reyes, J. Sound Vib. 48 (1976) 565"
+    signature: ClassVar[Signature] = Signature(
+        frequency="all natural frequencies without sleeves fall by about the same share; damping stays",
+        level="the same at every level",
+        time="the same through the record",
+        place="the whole beam, as a turn at the clamp",
+    )
 
     rotational_stiffness: float = parameter("k_r", "N m/rad", lower=1e-6, neutral=inf)
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, PlaceKind, Scene, parameter
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature, parameter
 from models.ports import Contact
 
 
@@ -16,6 +16,12 @@ class Clearance(Effect):
     family: ClassVar[Family] = "point force"
     places: ClassVar[tuple[PlaceKind, ...]] = ("sleeve",)
     source: ClassVar[str] = "S. W. Shaw, P. J. Holmes, J. Sound Vib. 90 (1983) 129: the piecewise linear oscillator"
+    signature: ClassVar[Signature] = Signature(
+        frequency="resonances that the sleeve holds soften or stiffen, and impacts ring at all frequencies",
+        level="from the level at which the beam leaves or meets a wall, or once its sag meets another sleeve",
+        time="in bursts, as the beam passes the gap; alike through the record",
+        place="all along the beam, first in modes that move at the sleeve",
+    )
 
     clearance: float = parameter("d", "m", lower=0.0, spread=0.7)
 

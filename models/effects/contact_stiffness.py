@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, PlaceKind, Scene, parameter
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature, parameter
 from models.ports import Contact
 
 
@@ -16,6 +16,12 @@ class ContactStiffness(Effect):
     family: ClassVar[Family] = "point force"
     places: ClassVar[tuple[PlaceKind, ...]] = ("sleeve",)
     source: ClassVar[str] = "K. L. Johnson, Contact Mechanics (1985), chapter 11"
+    signature: ClassVar[Signature] = Signature(
+        frequency="resonances of the beam that the sleeve holds shift, up where the contact is stiffer",
+        level="only in contact: at every level where the beam rests on the sleeve, else once the gap is closed",
+        time="while the sleeve is closed; impacts are shorter where it is stiffer",
+        place="modes that move at the sleeve",
+    )
 
     ratio: float = parameter("r_k", "-", lower=1e-3, upper=1e3, spread=1.0, neutral=1.0)
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import tanh
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, PlaceKind, Scene, StructureKind, parameter
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature, StructureKind, parameter
 from models.ports import Contact, Frame, PointLaw
 from models.structure import Structure
 
@@ -19,6 +19,12 @@ class CoulombFriction(Effect):
     places: ClassVar[tuple[PlaceKind, ...]] = ("sleeve", "position")
     structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
     source: ClassVar[str] = "S. Andersson, A. Soderberg, S. Bjorklund, Tribol. Int. 40 (2007) 580, section 4"
+    signature: ClassVar[Signature] = Signature(
+        frequency="resonances low and wide, as if held there, then higher and sharper; odd harmonics",
+        level="most at low level; its share falls as the level grows",
+        time="a free decay ends on a straight line; alike through the record",
+        place="modes that move at its place",
+    )
     options: ClassVar[Mapping[str, tuple[str, ...]]] = {"against": ("base", "ground")}
 
     friction_force: float = parameter("F_c", "N", lower=0.0, neutral=0.0)

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, PlaceKind, Scene, StructureKind, parameter
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature, StructureKind, parameter
 from models.ports import Contact, PointLaw
 from models.structure import Structure
 
@@ -18,6 +18,12 @@ class CubicStiffness(Effect):
     places: ClassVar[tuple[PlaceKind, ...]] = ("sleeve", "position")
     structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
     source: ClassVar[str] = "A. H. Nayfeh, D. T. Mook, Nonlinear Oscillations (1979), section 4.1"
+    signature: ClassVar[Signature] = Signature(
+        frequency="resonances bend to the right; third harmonics",
+        level="grows with the square of the amplitude; about a sag it is a spring at every level",
+        time="follows the motion: a free decay starts high and comes down in frequency",
+        place="modes that move at its place",
+    )
 
     stiffness: float = parameter("k_3", "N/m^3", lower=0.0, neutral=0.0)
 

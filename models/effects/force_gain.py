@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 from models.arrays import FloatArray
-from models.effects.protocol import Effect, Family, Scene, StructureKind, parameter
+from models.effects.protocol import Effect, Family, Scene, Signature, StructureKind, parameter
 
 
 @dataclass(frozen=True)
@@ -16,6 +16,12 @@ class ForceGain(Effect):
     family: ClassVar[Family] = "measurement"
     structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
     source: ClassVar[str] = "ISO 7626-1:2011, calibration of transducers for mechanical mobility"
+    signature: ClassVar[Signature] = Signature(
+        frequency="one factor at all frequencies, without a change of phase",
+        level="the same at low level; sleeves open and close at another level than the channel says",
+        time="the same through the record",
+        place="all channels by one factor",
+    )
 
     gain: float = parameter("g_F", "-", lower=1e-4, upper=1e4, spread=0.5, neutral=1.0)
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, PlaceKind, Scene, parameter
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature, parameter
 from models.ports import Contact
 
 
@@ -16,6 +16,12 @@ class GapOffset(Effect):
     family: ClassVar[Family] = "point force"
     places: ClassVar[tuple[PlaceKind, ...]] = ("sleeve",)
     source: ClassVar[str] = "F. C. Moon, S. W. Shaw, Int. J. Non-Linear Mech. 18 (1983) 465: a beam with one stop"
+    signature: ClassVar[Signature] = Signature(
+        frequency="even harmonics and a mean deflection; impacts from one side ring at all frequencies",
+        level="from the level at which the nearer wall is met or left, or once the sag meets another sleeve",
+        time="once a period, on one side; alike through the record",
+        place="all along the beam, first in modes that move at the sleeve",
+    )
 
     # A millimetre is many times any clearance: the prior knows neither side nor size.
     offset: float = parameter("u_0", "m", lower=-0.1, upper=0.1, scale="linear", spread=1e-3, neutral=0.0)

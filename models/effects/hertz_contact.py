@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, PlaceKind, Scene, parameter
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature, parameter
 from models.ports import Contact
 
 DEPTH = 0.1
@@ -19,6 +19,12 @@ class HertzContact(Effect):
     family: ClassVar[Family] = "point force"
     places: ClassVar[tuple[PlaceKind, ...]] = ("sleeve",)
     source: ClassVar[str] = "K. L. Johnson, Contact Mechanics (1985), eq. (4.23)"
+    signature: ClassVar[Signature] = Signature(
+        frequency="resonances of the beam that the sleeve holds shift with the depth of the contact; even harmonics",
+        level="at low level one stiffness, that under the load at rest; stiffer the deeper the impacts",
+        time="while the sleeve is closed",
+        place="modes that move at the sleeve",
+    )
 
     stiffness: float = parameter("K", "N/m^n", lower=1e-3)
     exponent: float = parameter("n", "-", lower=1.0, upper=4.0, spread=0.4)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
 from models.contact.hunt_crossley import HuntCrossley as HuntCrossleyLaw
-from models.effects.protocol import Effect, Family, PlaceKind, Scene, parameter
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature, parameter
 from models.ports import Contact
 
 
@@ -17,6 +17,12 @@ class HuntCrossley(Effect):
     family: ClassVar[Family] = "point force"
     places: ClassVar[tuple[PlaceKind, ...]] = ("sleeve",)
     source: ClassVar[str] = HuntCrossleyLaw.source
+    signature: ClassVar[Signature] = Signature(
+        frequency="resonances that the sleeve holds are wider or sharper; less ringing than a dashpot that jumps",
+        level="little in a light touch; the loss grows with depth and speed of the impacts",
+        time="while the sleeve is closed; the force starts from 0 without a jump",
+        place="modes that move at the sleeve",
+    )
 
     dissipation: float = parameter("alpha", "s/m", lower=0.0)
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, PlaceKind, Scene, parameter
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature, parameter
 from models.structure import Hinge, Structure
 
 WIDTH = 0.06
@@ -19,6 +19,12 @@ class LocalDamage(Effect):
     family: ClassVar[Family] = "structure"
     places: ClassVar[tuple[PlaceKind, ...]] = ("position",)
     source: ClassVar[str] = "P. F. Rizos, N. Aspragathos, A. D. Dimarogonas, J. Sound Vib. 138 (1990) 381"
+    signature: ClassVar[Signature] = Signature(
+        frequency="frequencies fall, most in modes that bend at its place, none where a mode does not bend",
+        level="the same at every level, save that the beam sags more",
+        time="the same through the record",
+        place="shapes have a kink at its place",
+    )
 
     loss: float = parameter("d", "-", lower=0.0, upper=0.999, neutral=0.0)
     width: float = parameter("w", "m", lower=1e-6, fitted=False, default=WIDTH)

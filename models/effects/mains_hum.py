@@ -9,7 +9,7 @@ import numpy as np
 
 from models.arrays import FloatArray
 from models.band_limit import STOP_EDGE
-from models.effects.protocol import Effect, Family, Measurement, Parameter, Scene, StructureKind, parameter
+from models.effects.protocol import Effect, Family, Measurement, Parameter, Scene, Signature, StructureKind, parameter
 
 HARMONICS = (1, 3, 5)
 PHASE = Parameter("phi", "rad", lower=-pi, upper=pi, scale="linear", spread=2.0)
@@ -28,6 +28,12 @@ class MainsHum(Effect):
     family: ClassVar[Family] = "measurement"
     structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
     source: ClassVar[str] = "H. W. Ott, Electromagnetic Compatibility Engineering (2009), chapter 3: ground loops"
+    signature: ClassVar[Signature] = Signature(
+        frequency="sharp lines at the mains frequency, 3 and 5 times it, whatever is excited",
+        level="of one size, so that its share is largest at low level",
+        time="steady through the record, before and after the motion too",
+        place="all channels by the same amount, so most in the quiet ones",
+    )
     record_parameters: ClassVar[Mapping[str, Parameter]] = {f"hum_phase_{h}": PHASE for h in HARMONICS}
 
     frequency: float = parameter("f_m", "Hz", lower=1.0, upper=1e3, spread=0.01)

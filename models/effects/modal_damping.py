@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, Scene, StructureKind, parameter
+from models.effects.protocol import Effect, Family, Scene, Signature, StructureKind, parameter
 from models.structure import Structure
 
 
@@ -19,6 +19,12 @@ class ModalDamping(Effect):
     family: ClassVar[Family] = "structure"
     structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
     source: ClassVar[str] = "T. K. Caughey, J. Appl. Mech. 27 (1960) 269: classical normal modes in damped systems"
+    signature: ClassVar[Signature] = Signature(
+        frequency="every resonance of the beam is too high or too low by the same factor, in its place",
+        level="the same at every level",
+        time="free decays end sooner or later; alike through the record",
+        place="all along the beam",
+    )
 
     ratio: float = parameter("r_zeta", "-", lower=0.0, upper=1e3, spread=1.0, neutral=1.0)
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, PlaceKind, Scene, StructureKind, parameter
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature, StructureKind, parameter
 from models.structure import Structure
 
 
@@ -17,6 +17,12 @@ class PointDamping(Effect):
     places: ClassVar[tuple[PlaceKind, ...]] = ("position",)
     structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
     source: ClassVar[str] = "G. Oliveto, A. Santini, E. Tripodi, J. Sound Vib. 200 (1997) 327: beams with dashpots"
+    signature: ClassVar[Signature] = Signature(
+        frequency="resonances lower and wider, in their place",
+        level="the same at every level",
+        time="free decays end sooner; alike through the record",
+        place="modes that move at its place, none in a mode with a node there",
+    )
 
     damping: float = parameter("c", "N s/m", lower=0.0, neutral=0.0)
 

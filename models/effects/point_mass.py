@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, PlaceKind, Scene, StructureKind, parameter
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature, StructureKind, parameter
 from models.structure import Structure
 
 
@@ -17,6 +17,12 @@ class PointMass(Effect):
     places: ClassVar[tuple[PlaceKind, ...]] = ("position",)
     structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
     source: ClassVar[str] = "L. Meirovitch, Fundamentals of Vibrations (2001), section 8.6"
+    signature: ClassVar[Signature] = Signature(
+        frequency="resonances fall, each by a share that its motion there decides, whatever its frequency",
+        level="the same at every level, save that the beam sags more onto its sleeves",
+        time="the same through the record",
+        place="modes that move at its place, none in a mode with a node there",
+    )
 
     mass: float = parameter("m", "kg", lower=0.0, neutral=0.0)
 

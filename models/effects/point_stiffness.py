@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, PlaceKind, Scene, StructureKind, parameter
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature, StructureKind, parameter
 from models.structure import Structure
 
 
@@ -17,6 +17,12 @@ class PointStiffness(Effect):
     places: ClassVar[tuple[PlaceKind, ...]] = ("position",)
     structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
     source: ClassVar[str] = "E. H. Dowell, J. Appl. Mech. 46 (1979) 206: combined dynamical systems"
+    signature: ClassVar[Signature] = Signature(
+        frequency="resonances rise, the low ones most",
+        level="the same at every level, save that the beam sags less onto its sleeves",
+        time="the same through the record",
+        place="modes that move at its place, none in a mode with a node there",
+    )
 
     stiffness: float = parameter("k", "N/m", lower=0.0, neutral=0.0)
 

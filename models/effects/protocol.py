@@ -145,6 +145,23 @@ class Measurement:
 
 
 @dataclass(frozen=True)
+class Signature:
+    """Where an effect shows in the data, in plain words.
+
+    Attributes:
+        frequency: what it does to the spectrum.
+        level: at which level of the excitation it shows.
+        time: when in a record.
+        place: where along the structure, or on which channels.
+    """
+
+    frequency: str
+    level: str
+    time: str
+    place: str
+
+
+@dataclass(frozen=True)
 class Effect(ABC):
     """Base of all effects: the place; subclasses add their parameters with ``parameter(...)``.
 
@@ -154,6 +171,7 @@ class Effect(ABC):
         places: what the place may be; empty for an effect over the whole beam or the whole measurement.
         structures: what it can be added to.
         source: citation.
+        signature: where it shows in the data.
         options: keys that choose a variant, each with its values, the default first; they are fields too.
         record_parameters: numbers that every record has for itself (a phase), by name.
         unique: at most one of this kind can sit at a place (two springs in parallel are one spring; two absorbers of
@@ -165,6 +183,7 @@ class Effect(ABC):
     places: ClassVar[tuple[PlaceKind, ...]] = ()
     structures: ClassVar[tuple[StructureKind, ...]] = ("beam",)
     source: ClassVar[str]
+    signature: ClassVar[Signature]
     options: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     record_parameters: ClassVar[Mapping[str, Parameter]] = {}
     unique: ClassVar[bool] = True

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, Scene, parameter
+from models.effects.protocol import Effect, Family, Scene, Signature, parameter
 from models.ports import Contact, PointLaw, Port
 from models.spread import along
 from models.structure import Structure
@@ -20,6 +20,12 @@ class QuadraticDrag(Effect):
     kind: ClassVar[str] = "quadratic_drag"
     family: ClassVar[Family] = "point force"
     source: ClassVar[str] = "J. R. Morison et al., J. Petrol. Technol. 2 (1950) 149: the drag term"
+    signature: ClassVar[Signature] = Signature(
+        frequency="resonances lower and wider with level, the strongest most; odd harmonics",
+        level="damping grows in proportion to the speed; nothing at low level",
+        time="a free decay is fast first and then as without it",
+        place="most where the beam moves most: the free end",
+    )
 
     coefficient: float = parameter("c_2", "N s^2/m^3", lower=0.0, neutral=0.0)
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal, Self
 
-from models.effects.protocol import Effect, Family, PlaceKind, Scene, StructureKind, parameter
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature, StructureKind, parameter
 from models.ports import Contact, PointLaw
 from models.structure import Structure
 
@@ -21,6 +21,12 @@ class QuadraticStiffness(Effect):
     places: ClassVar[tuple[PlaceKind, ...]] = ("sleeve", "position")
     structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
     source: ClassVar[str] = "A. H. Nayfeh, D. T. Mook, Nonlinear Oscillations (1979), section 2.3.1"
+    signature: ClassVar[Signature] = Signature(
+        frequency="even harmonics and a mean deflection; about a sag resonances shift",
+        level="grows in proportion to the amplitude; about a sag it is a spring at every level",
+        time="on one side of each swing; alike through the record",
+        place="modes that move at its place",
+    )
     options: ClassVar[Mapping[str, tuple[str, ...]]] = {"stiffer": SIDES}
 
     stiffness: float = parameter("k_2", "N/m^2", lower=0.0, neutral=0.0)
@@ -47,6 +53,6 @@ class QuadraticStiffness(Effect):
     def in_words(self) -> str:
         """When it acts and what it does."""
         return (
-            f"at larger displacement, {1e-6 * self.stiffness:.3g} N at 1 mm and 4 times that at 2 mm, {self.stiffer}wards "
-            "against the motion and the other way with it: a mean deflection and even harmonics that grow with the level"
+            f"at larger displacement, {1e-6 * self.stiffness:.3g} N at 1 mm and 4 times that at 2 mm, stiffer "
+            f"{self.stiffer} and softer the other way: a mean deflection and even harmonics that grow with the level"
         )

@@ -6,7 +6,7 @@ from typing import ClassVar, Self
 
 from models.arrays import FloatArray
 from models.band_limit import delayed
-from models.effects.protocol import Effect, Family, Measurement, PlaceKind, Scene, StructureKind, parameter
+from models.effects.protocol import Effect, Family, Measurement, PlaceKind, Scene, Signature, StructureKind, parameter
 
 
 @dataclass(frozen=True)
@@ -18,6 +18,12 @@ class SensorDelay(Effect):
     places: ClassVar[tuple[PlaceKind, ...]] = ("sensor",)
     structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
     source: ClassVar[str] = "T. I. Laakso et al., IEEE Signal Process. Mag. 13 (1996) 30: fractional delays"
+    signature: ClassVar[Signature] = Signature(
+        frequency="phase that falls in proportion to frequency, the amplitude stays: most at high frequencies",
+        level="the same at every level",
+        time="the same through the record",
+        place="one channel only",
+    )
 
     delay: float = parameter("tau", "s", lower=0.0, spread=1.5, neutral=0.0)
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 from models.arrays import FloatArray
-from models.effects.protocol import Effect, Family, Measurement, PlaceKind, Scene, StructureKind, parameter
+from models.effects.protocol import Effect, Family, Measurement, PlaceKind, Scene, Signature, StructureKind, parameter
 
 
 @dataclass(frozen=True)
@@ -17,6 +17,12 @@ class SensorGain(Effect):
     places: ClassVar[tuple[PlaceKind, ...]] = ("sensor",)
     structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
     source: ClassVar[str] = "ISO 16063-21:2003, calibration of vibration transducers by comparison"
+    signature: ClassVar[Signature] = Signature(
+        frequency="one factor at all frequencies, without a change of phase unless the sensor is turned over",
+        level="the same at every level",
+        time="the same through the record",
+        place="one channel only",
+    )
 
     gain: float = parameter("g", "-", lower=-1e4, upper=1e4, scale="linear", spread=1.0, neutral=1.0)
 

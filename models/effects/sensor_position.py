@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, PlaceKind, Scene, parameter
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature, parameter
 from models.rig import Sensor
 from models.structure import Structure
 
@@ -17,6 +17,12 @@ class SensorPosition(Effect):
     family: ClassVar[Family] = "measurement"
     places: ClassVar[tuple[PlaceKind, ...]] = ("sensor",)
     source: ClassVar[str] = "D. J. Ewins, Modal Testing (2000), section 3.10: errors of where and which way"
+    signature: ClassVar[Signature] = Signature(
+        frequency="a factor that changes from mode to mode, and its sign between two nodes",
+        level="the same at every level",
+        time="the same through the record",
+        place="one channel only",
+    )
 
     position: float = parameter("x_s", "m", lower=0.0, scale="linear", spread=0.3)
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, PlaceKind, Scene, parameter
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature, parameter
 from models.ports import Contact, PointLaw
 from models.structure import Structure
 
@@ -21,6 +21,12 @@ class SqueezeFilm(Effect):
     family: ClassVar[Family] = "point force"
     places: ClassVar[tuple[PlaceKind, ...]] = ("sleeve",)
     source: ClassVar[str] = "J. F. Booker, CRC Handbook of Lubrication II (1983) 121: full film, long bearing"
+    signature: ClassVar[Signature] = Signature(
+        frequency="resonances that move the sleeve's grease are wider and lower, in their place while motion is small",
+        level="at every level, within the gap too; most where the beam is close to a wall",
+        time="always, and free decays end sooner; alike through the record",
+        place="modes that move at the sleeve",
+    )
 
     damping: float = parameter("c_f", "N s/m", lower=0.0, neutral=0.0)
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, Scene, parameter
+from models.effects.protocol import Effect, Family, Scene, Signature, parameter
 from models.ports import Contact, PointLaw, Port
 from models.spread import along
 from models.structure import Structure
@@ -21,6 +21,12 @@ class StiffnessDrift(Effect):
     family: ClassVar[Family] = "time"
     source: ClassVar[str] = (
         "Y. Xia, H. Hao, G. Zanardo, A. Deeks, Eng. Struct. 28 (2006) 338: temperature and frequency"
+    )
+    signature: ClassVar[Signature] = Signature(
+        frequency="all resonances slide to one side, so that they look wide in the mean over the record",
+        level="the same at every level",
+        time="grows from the record's start; fits at its first samples",
+        place="all along the beam",
     )
 
     rate: float = parameter("r", "1/s", lower=-1.0, upper=1.0, scale="linear", spread=1e-2, neutral=0.0)

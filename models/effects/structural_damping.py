@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, Scene, parameter
+from models.effects.protocol import Effect, Family, Scene, Signature, parameter
 from models.structure import Structure
 
 
@@ -15,6 +15,12 @@ class StructuralDamping(Effect):
     kind: ClassVar[str] = "structural_damping"
     family: ClassVar[Family] = "structure"
     source: ClassVar[str] = "R. E. D. Bishop, J. R. Aero. Soc. 59 (1955) 738: hysteretic damping"
+    signature: ClassVar[Signature] = Signature(
+        frequency="damping ratios are alike at all frequencies, in place of their trend; resonances in their place",
+        level="the same at every level",
+        time="free decays end sooner or later; alike through the record",
+        place="all along the beam",
+    )
 
     loss_factor: float = parameter("eta", "-", lower=0.0, upper=2.0, spread=1.5)
 

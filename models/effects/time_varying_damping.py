@@ -7,7 +7,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from models.contact.time_varying import TimeVarying
-from models.effects.protocol import Effect, Family, PlaceKind, Scene, parameter
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature, parameter
 from models.errors import InputError
 from models.ports import Contact
 
@@ -24,6 +24,12 @@ class TimeVaryingDamping(Effect):
     family: ClassVar[Family] = "time"
     places: ClassVar[tuple[PlaceKind, ...]] = ("sleeve",)
     source: ClassVar[str] = "Actuators 14 (2025) 58, section 2: damping of a greased clearance as a function of time"
+    signature: ClassVar[Signature] = Signature(
+        frequency="resonances that the sleeve holds are wider or sharper, and not alike early and late",
+        level="only in contact: at every level where the beam rests on the sleeve, else once the gap is closed",
+        time="changes through the record: the same excitation is answered differently",
+        place="modes that move at the sleeve",
+    )
 
     times: tuple[float, ...] = parameter("t_i", "s", lower=0.0, scale="linear", fitted=False, table=True)
     values: tuple[float, ...] = parameter("c_i", "N s/m", lower=0.0, spread=1.0, table=True)

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, PlaceKind, Scene, parameter
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature, parameter
 from models.ports import Contact
 
 
@@ -16,6 +16,12 @@ class Wear(Effect):
     family: ClassVar[Family] = "time"
     places: ClassVar[tuple[PlaceKind, ...]] = ("sleeve",)
     source: ClassVar[str] = "J. F. Archard, J. Appl. Phys. 24 (1953) 981: wear in proportion to the way rubbed"
+    signature: ClassVar[Signature] = Signature(
+        frequency="resonances that the sleeve holds soften, and impacts ring at all frequencies, more with time",
+        level="from the level at which the beam leaves or meets a wall, or once its sag meets another sleeve",
+        time="grows from the record's start: impacts rarer and harder",
+        place="first in modes that move at the sleeve",
+    )
 
     rate: float = parameter("r_d", "m/s", lower=0.0, neutral=0.0)
 

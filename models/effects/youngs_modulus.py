@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from math import sqrt
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, Scene, parameter
+from models.effects.protocol import Effect, Family, Scene, Signature, parameter
 from models.structure import Structure
 
 
@@ -16,6 +16,12 @@ class YoungsModulus(Effect):
     kind: ClassVar[str] = "youngs_modulus"
     family: ClassVar[Family] = "structure"
     source: ClassVar[str] = "J. E. Mottershead, M. I. Friswell, J. Sound Vib. 167 (1993) 347: model updating, a survey"
+    signature: ClassVar[Signature] = Signature(
+        frequency="all natural frequencies without sleeves move by the same share, the root of the ratio",
+        level="the same at every level, save that the beam sags less or more",
+        time="the same through the record",
+        place="all along the beam; shapes without sleeves stay",
+    )
 
     ratio: float = parameter("r_E", "-", lower=1e-2, upper=1e2, spread=0.3, neutral=1.0)
 

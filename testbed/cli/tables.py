@@ -98,6 +98,20 @@ def print_diagnosis(content: Mapping[str, Any]) -> None:
     for finding in content["where"].get("findings", ()):
         say(f"note: {finding}")
     say(f"verdict: {content['verdict']}")
+    print_next(content["next_experiment"])
+
+
+def print_next(content: Mapping[str, Any]) -> None:
+    """What to measure next.
+
+    Args:
+        content: ``next_experiment`` of ``diagnosis.json``.
+    """
+    keys = ("do", "minutes", "expected_probability", "separation")
+    if "options" in content:
+        rows = [[option[key] for key in keys] for option in content["options"]]
+        print_table(("test", "minutes", "expected probability", "separation"), rows, "next experiment")
+    say(f"next: {content['do']}: {content['why']}")
 
 
 LEAST_CHANCE = 1e-4
@@ -133,3 +147,21 @@ def named(effect: Mapping[str, Any]) -> str:
     if "sensor" in effect:
         return f"{effect['kind']}{against} on {effect['sensor']}"
     return f"{effect['kind']}{against}" + (f" at {effect['position']:.3f} m" if "position" in effect else "")
+
+
+def print_effects(content: Mapping[str, Any]) -> None:
+    """The library of effects.
+
+    Args:
+        content: by kind, of ``testbed.effects_page.library``.
+    """
+    rows = [
+        (
+            kind,
+            " or ".join(about["places"]) or NOT_KNOWN,
+            "\n".join(f"{name} [{number['unit']}]" for name, number in about["parameters"].items()),
+            "\n".join(f"{aspect}: {text}" for aspect, text in about["signature"].items()),
+        )
+        for kind, about in content.items()
+    ]
+    print_table(("kind", "place", "parameters", "where it shows"), rows)

@@ -9,16 +9,17 @@ from models.effects import EFFECTS
 
 PAGE = (Path(__file__).parents[3] / "docs" / "effects.md").read_text()
 ROWS = {
-    kind: {"dagger": bool(dagger), "place": place, "on": on, "parameters": parameters}
-    for kind, dagger, place, on, parameters in re.findall(
-        r"^\| `(\w+)` (†)?\s*\| (.+?) \| ([BO ]+) \| .+? \| (.+?) \| .+? \|$", PAGE, re.MULTILINE
+    kind: {"place": place, "on": on, "parameters": parameters}
+    for kind, place, on, parameters in re.findall(
+        r"^\| \[`(\w+)`\]\(#\1\) \| (.+?) \| ([BO ]+) \| .+ \| (.+?) \|$", PAGE, re.MULTILINE
     )
 }
 
 
-def test_the_page_marks_what_the_library_does_not_have():
-    assert {kind for kind, row in ROWS.items() if not row["dagger"]} == set(EFFECTS)
-    assert PAGE.count("\n| `") == len(ROWS)
+def test_the_page_has_a_row_and_a_section_for_each_kind():
+    assert set(ROWS) == set(EFFECTS)
+    assert PAGE.count("\n| [`") == len(ROWS)
+    assert re.findall(r"^### (\w+)$", PAGE, re.MULTILINE) == list(EFFECTS)
 
 
 @pytest.mark.parametrize("kind", EFFECTS)
@@ -32,6 +33,6 @@ def test_a_row_says_what_the_class_says(kind):
 
 @pytest.mark.parametrize("kind", [kind for kind, cls in EFFECTS.items() if cls.options])
 def test_a_row_names_the_options(kind):
-    (row,) = [line for line in PAGE.splitlines() if line.startswith(f"| `{kind}`")]
+    (row,) = [line for line in PAGE.splitlines() if line.startswith(f"| [`{kind}`]")]
     for key, choices in EFFECTS[kind].options.items():
         assert f'`{key}` "{choices[0]}" or "{choices[1]}"' in row

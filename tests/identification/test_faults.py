@@ -1,0 +1,109 @@
+"""The measurement is suspected where one channel, or a few lines, contradict all the rest, and only there."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from trial_records import REFERENCE, evaluator_of, measured, moved, multisine
+
+from identification.calibrate import calibrate, unknowns_of
+from identification.faults import NO_SUSPICION, suspicion
+from identification.fit import fit
+from identification.hypothesis import Hypothesis, with_own_number
+from models.effects import EFFECTS, Place
+from models.effects.base_motion import BaseMotion
+from models.effects.coulomb_friction import CoulombFriction
+from models.effects.mains_hum import MainsHum
+from models.effects.point_mass import PointMass
+from models.effects.sensor_delay import SensorDelay
+from models.effects.sensor_gain import SensorGain
+from models.effects.sensor_position import SensorPosition
+
+P3 = REFERENCE.sensor("P3")
+ON_P3 = Place(sensor="P3")
+
+
+def looked_at(*effects, own=(), sigmas=None):
+    """What is suspected on two records of the rig with hidden effects, its numbers off within their tolerances."""
+    n = len(REFERENCE.parameters())
+    off = np.random.default_rng(2).standard_normal(n) if sigmas is None else sigmas
+    truth = moved(REFERENCE, *off).with_effects(*effects)
+    for name, value in own:
+        for record in ("low", "high"):
+            truth = with_own_number(truth, record, name, value)
+    forces = {"low": multisine(2048, 2, rms=4.0), "high": multisine(2048, 2, rms=20.0, seed=2)}
+    evaluator = evaluator_of(*(measured(truth, force, name=name) for name, force in forces.items()), jobs=2)
+    given = Hypothesis(REFERENCE)
+    base = calibrate(evaluator, given, unknowns_of(given, evaluator))
+    there = fit(evaluator, base.hypothesis, base.unknowns, max_iterations=1)
+    return suspicion(evaluator, there)
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        SensorGain(ON_P3, gain=-1.0),
+        SensorGain(ON_P3, gain=1.03),
+        SensorDelay(ON_P3, delay=2e-4),
+        SensorPosition(ON_P3, position=P3.position + 0.03),
+        SensorGain(ON_P3, gain=0.01),
+    ],
+    ids=["upside down", "3 % too much", "late", "displaced", "nearly dead"],
+)
+def test_a_channel_that_contradicts_the_others_is_named(effect):
+    seen = looked_at(effect)
+    assert seen.sensors == ("P3",)
+    assert effect.kind in seen.kinds(EFFECTS)
+    assert all("sensor" in kind.places for kind in seen.kinds(EFFECTS).values())
+    assert "P3 contradicts the other channels" in seen.words
+
+
+@pytest.mark.parametrize(
+    ("effect", "own"),
+    [
+        (MainsHum(Place(), frequency=50.02, amplitude=0.3), [(f"hum_phase_{h}", 0.4) for h in (1, 3, 5)]),
+        (BaseMotion(Place(), frequency=83.3, amplitude=0.5), [("base_phase", 1.0)]),
+    ],
+    ids=lambda value: getattr(value, "kind", ""),
+)
+def test_lines_in_all_channels_are_no_physics_of_the_rig(effect, own):
+    seen = looked_at(effect, own=own)
+    assert seen.in_lines
+    assert set(seen.kinds(EFFECTS)) == {"mains_hum", "base_motion"}
+    assert "single lines" in seen.words
+
+
+@pytest.mark.parametrize(
+    "effects",
+    [
+        (),
+        (CoulombFriction(Place(position=0.9), friction_force=2.0, slip_velocity=1e-3),),
+        (PointMass(Place(position=P3.position), mass=0.1),),
+        (SensorGain(ON_P3, gain=1.3), SensorGain(Place(sensor="P1"), gain=0.7), SensorGain(Place(sensor="P5"), gain=1.4)),
+    ],
+    ids=["nothing", "friction", "a mass at the sensor", "three sensors"],
+)
+def test_what_all_channels_feel_is_no_fault_of_one(effects):
+    assert looked_at(*effects) == NO_SUSPICION
+
+
+def test_of_two_channels_none_is_outvoted():
+    two = REFERENCE.model_copy(update={"sensors": REFERENCE.sensors[:2]})
+    truth = Hypothesis(two, effects=(SensorGain(Place(sensor=two.sensors[0].name), gain=-1.0),))
+    evaluator = evaluator_of(measured(truth, multisine(2048, 2)))
+    there = fit(evaluator, Hypothesis(two), unknowns_of(Hypothesis(two), evaluator), max_iterations=1)
+    assert not suspicion(evaluator, there)
+
+
+def test_without_a_channel_the_rest_of_a_target_stays():
+    evaluator = evaluator_of(measured(Hypothesis(REFERENCE), multisine(1024)))
+    (target,) = evaluator.timed
+    less = target.without("P3")
+    assert less.record.sensors == tuple(name for name in target.record.sensors if name != "P3")
+    row = target.record.sensors.index("P1")
+    np.testing.assert_array_equal(less.measured[less.record.sensors.index("P1")], target.measured[row])
+    assert target.without("nobody") is target
+    wrong = replace(Hypothesis(REFERENCE), values={"youngs_modulus": 2.2e11})
+    whole = target.residual(wrong, evaluator.settings)
+    kept = np.repeat(np.array(target.record.sensors) != "P3", 2 * target.measured.shape[1])
+    np.testing.assert_allclose(less.residual(wrong, evaluator.settings), whole[kept])
