@@ -1,4 +1,4 @@
-"""From fits to what a person reads: candidates, intervals, groups that cannot be told apart, the next experiment."""
+"""From fits to what a person reads: candidates, intervals, groups that cannot be told apart."""
 
 from collections.abc import Sequence
 from math import exp
@@ -9,8 +9,7 @@ from identification.evaluate import Evaluator
 from identification.evidence import Ranked, probabilities
 from identification.fit import Fit
 from identification.hypothesis import EffectUnknown, PlaceUnknown, RigUnknown
-from identification.prepare import Horizon
-from identification.result import AddedEffect, Candidate, Estimate, Verdict
+from identification.result import AddedEffect, Candidate, Estimate
 from models.effects import Effect
 
 TELLABLE = 0.02
@@ -93,38 +92,3 @@ def groups_of(ranked: Sequence[Ranked], chances: Sequence[float]) -> tuple[tuple
         return ()
     group = [r.effect for r, chance in zip(ranked, chances, strict=False) if chance > TELLABLE]
     return (tuple(group),) if len(group) > 1 else ()
-
-
-def next_experiment(
-    verdict: Verdict,
-    ranked: Sequence[Ranked],
-    chances: Sequence[float],
-    limits: Sequence[Horizon],
-    *,
-    kept_aside: bool = False,
-) -> dict[str, str | float]:
-    """What to measure next to learn most; without the horizon of any time record, how to see a nonlinearity at all."""
-    if not limits:
-        return {"do": "the same test at a higher level, or a time record", "why": AT_REST_ONLY}
-    if any(limit.growth > CHAOTIC for limit in limits):
-        return {"do": "repeat at a lower level", "why": "neighbouring motions part too fast to be followed"}
-    if verdict == "complete":
-        return {"do": "repeat at a higher level", "why": "a nonlinearity shows only where the motion reaches it"}
-    open_kinds = [r.effect for r, chance in zip(ranked, chances, strict=False) if chance > TELLABLE]
-    if len(open_kinds) > 1 and open_kinds[0].kind != open_kinds[1].kind:
-        return {
-            "do": "measure at two more levels",
-            "why": f"{open_kinds[0].label()} and {open_kinds[1].label()} differ in how they grow with amplitude",
-        }
-    if kept_aside:
-        return {
-            "do": "repeat at a higher level",
-            "why": "the updated model was seen to predict what was kept aside; where it ends shows only beyond",
-        }
-    return {
-        "do": "a record that is kept aside (--holdout), of another kind than those fitted",
-        "why": "to see whether the updated model predicts it",
-    }
-
-
-CHAOTIC = 1e4

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from identification.hypothesis import Hypothesis
+from identification.locating.located import Located
 from identification.result import (
     AddedEffect,
     Candidate,
@@ -21,6 +22,7 @@ from models.arrays import FloatArray
 from models.effects import Effect, entry_of
 from models.record import AnyRecord
 from models.rig import Rig
+from testbed.proposal import proposal_json
 
 Json = dict[str, Any]
 
@@ -60,7 +62,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> Json:
         "error": [{"model": stage.label, "nrmse": stage.score.nrmse} for stage in diagnosis.stages],
         "holdout": _holdout(diagnosis.holdout),
         "where": _where(diagnosis),
-        "next_experiment": dict(diagnosis.next_experiment),
+        "next_experiment": proposal_json(diagnosis.next_experiment),
         "seconds": diagnosis.seconds,
     }
 
@@ -130,6 +132,7 @@ def _where(diagnosis: Diagnosis) -> Json:
     return {
         "records": [_worst(error_map, sensors[error_map.record]) for error_map in diagnosis.where],
         "forces": [_force(force) for force in diagnosis.missing_forces],
+        **({} if diagnosis.located is None else _located(diagnosis.located)),
         "findings": list(diagnosis.findings),
         "linear": {
             label: [_linear(row) for row in stage.score.at_rest]
@@ -173,6 +176,23 @@ def _force(force: MissingForce) -> Json:
         "largest_at": largest / force.fs,
         "unit": "N",
     }
+
+
+def _located(found: Located) -> Json:
+    """The most likely place (or channel) of one force that is missing, the profile that says so, and its shape."""
+    place = {
+        "position": found.place,
+        "interval": None if found.interval is None else list(found.interval),
+        "sleeve": found.sleeve,
+        "sensor": found.sensor,
+        "explained": found.share,
+        "enough": found.enough,
+        "words": found.words,
+    }
+    profile = {"position": found.positions.tolist(), "explained": found.explained.tolist()}
+    channels = [{"sensor": channel.sensor, "explained": channel.explained} for channel in found.channels]
+    shape = [] if found.shape is None else list(found.shape.words)
+    return {"place": place, "profile": profile, "channels": channels, "shape": shape}
 
 
 def _rms(errors: FloatArray, axis: int) -> FloatArray:

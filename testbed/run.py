@@ -11,6 +11,7 @@ from testbed.history import UPDATED, Model, remember
 from testbed.inputs import Inputs, sha256
 from testbed.loop import Json, diagnosis_json, rig_of
 from testbed.outputs import LAST, json_text, staged
+from testbed.proposal import stale, write_experiment
 
 DIAGNOSIS, REPORT = "diagnosis.json", "report.html"
 OUTPUTS = (DIAGNOSIS, UPDATED, REPORT)
@@ -88,7 +89,10 @@ def _diagnose(
     with staged(out) as stage:
         (stage / DIAGNOSIS).write_text(json_text(content), encoding="utf-8")
         remember(out, stage, models, like=inputs.rig_path, command=command)
+        write_experiment(diagnosis.next_experiment, inputs.rig_path, stage)
         write_report(diagnosis, inputs.rig, stage, provenance(inputs.rig_path, inputs.record_paths, seed, command))
         run = {"inputs": wanted, "outputs": _digests(stage), "command": command}
         (stage / LAST).write_text(json_text(run), encoding="utf-8")
+    for name in stale(diagnosis.next_experiment):
+        (out / name).unlink(missing_ok=True)
     return json.loads((out / DIAGNOSIS).read_text(encoding="utf-8"))  # type: ignore[no-any-return]

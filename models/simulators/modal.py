@@ -102,7 +102,7 @@ def _marched(model: ModalModel, drive: Drive, hold: Hold | None, h: float, toler
     items, n_ports, n, m = items_of(model), len(model.ports), model.n, inputs.shape[1]
     out, trace = np.empty((2 * n, m)), np.empty((m, 2 * n_ports + len(items.port)))
     reading = Reading.of(np.vstack([system.displacement(np.eye(n)), system.velocity(np.eye(n))]))
-    start = np.zeros(2 * n) if hold is None else np.append(_held(model, hold), np.zeros(n))
+    start = np.zeros(2 * n) if hold is None else np.append(held(model, hold), np.zeros(n))
     done = march(linear, items, inputs, drive.base_motion, system.from_modal @ start, reading, out, trace, tolerance)
     if done < m - 1:
         raise DivergenceError(
@@ -113,8 +113,16 @@ def _marched(model: ModalModel, drive: Drive, hold: Hold | None, h: float, toler
     return _Traced(out[:n], out[n:], places[:n_ports], places[n_ports : 2 * n_ports], places[2 * n_ports :])
 
 
-def _held(model: ModalModel, hold: Hold) -> FloatArray:
-    """(n,) modal coordinates, from rest, of the model that a static force holds besides."""
+def held(model: ModalModel, hold: Hold) -> FloatArray:
+    """(n,) modal coordinates, from rest, of the model that a static force holds besides.
+
+    Args:
+        model: with its contacts and laws.
+        hold: where and how hard.
+
+    Raises:
+        InputError: a structure that does not resist, or no state at rest.
+    """
     if not np.all(model.omega > 0.0):
         raise InputError(
             f"a hold of {hold.force:g} N on a structure without stiffness",

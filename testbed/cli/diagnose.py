@@ -71,3 +71,5 @@ def diagnose_files(
     if outcome.kept:
         say("an earlier run of the same rig, records, seed and version; --again repeats it")
     say(f"report: {out}/report.html; updated rig: {out}/rig.updated.toml")
+    if "excitation" in outcome.diagnosis["next_experiment"]:
+        say(f"the next experiment as a file: {out}/next_experiment.toml")

@@ -8,10 +8,10 @@ from scipy import fft
 
 from identification.metrics import frac
 from models.arrays import ComplexArray, FloatArray
+from models.excitations import random_phase_multisine
 from models.plant import Plant, build_plant
 from models.rig import Beam, Rig
 from models.simulators.protocol import Motion, Resolution, Simulator, Trial
-from testbed.virtual.excitations import random_phase_multisine
 
 FS = 2048.0
 BAND = (3.0, 250.0)

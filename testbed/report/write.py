@@ -8,6 +8,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from identification.result import Diagnosis
 from models.rig import Rig
 from testbed.figures.report_style import report_style
+from testbed.proposal import HEADS, excitation_rows, option_rows
 from testbed.report.figures import (
     error_steps,
     force_pictures,
@@ -74,6 +75,7 @@ def _content(diagnosis: Diagnosis, rig: Rig, provenance: Provenance) -> dict[str
     pulls = rig_pulls(diagnosis.rig_estimates, rig)
     candidates = candidate_rows(diagnosis)
     shown, learned = shown_records(diagnosis), diagnosis.final.score.records
+    contradictions = [finding.words for finding in diagnosis.calibration]
     return {
         "verdict": diagnosis.verdict,
         "verdict_title": TITLES[diagnosis.verdict],
@@ -95,13 +97,13 @@ def _content(diagnosis: Diagnosis, rig: Rig, provenance: Provenance) -> dict[str
         "channels": channel_rows(diagnosis),
         "modes": mode_tables(diagnosis),
         "not_shown": [row.record.name for row in learned if row.record.name not in shown],
-        "next_experiment": [(key, _plain(value)) for key, value in diagnosis.next_experiment.items()],
+        "next_experiment": diagnosis.next_experiment,
+        "options": option_rows(diagnosis.next_experiment),
+        "option_heads": HEADS,
+        "excitation": excitation_rows(diagnosis.next_experiment),
         "decisions": diagnosis.decisions,
-        "findings": diagnosis.findings,
+        "calibration": contradictions,
+        "findings": [finding for finding in diagnosis.findings if finding not in contradictions],
         "provenance": provenance,
         "defaults": default_rows(diagnosis, rig),
     }
-
-
-def _plain(value: str | float) -> str:
-    return value if isinstance(value, str) else f"{value:.4g}"

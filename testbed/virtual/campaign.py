@@ -9,14 +9,14 @@ import numpy as np
 
 from models.arrays import FloatArray
 from models.errors import InputError
-from models.rig import Beam, Rig
-from models.simulators.protocol import Hold, Trial
-from testbed.virtual.excitations import (
+from models.excitations import (
     half_sine_hammer,
     logarithmic_sweep,
     random_phase_multisine,
     stepped_sine,
 )
+from models.rig import Beam, Rig
+from models.simulators.protocol import Hold, Trial
 from testbed.virtual.experiment import (
     AnyExcitation,
     Drive,
@@ -24,6 +24,7 @@ from testbed.virtual.experiment import (
     FreeDecay,
     Hammer,
     Multisine,
+    Placed,
     Release,
     RovingHammer,
     SteppedSine,
@@ -65,18 +66,30 @@ def runs_of(experiment: Experiment, rig: Rig) -> tuple[Run, ...]:
             "what drives a rig stands in its file",
             "add [excitation] to the rig file, or release it from a deflected shape",
         )
-    if isinstance(excitation, Hammer | RovingHammer) and (rig.excitation is None or rig.excitation.quantity != "force"):
+    if isinstance(excitation, Hammer | RovingHammer) and not _is_pushed(rig):
         raise InputError(
             f"excitation.kind = {excitation.kind!r} on a driven base", "a hammer is a force", "take another kind"
         )
     _check_on_beam(excitation, rig)
     angle = radians(excitation.angle) if isinstance(excitation, Drive) else 0.0
-    runs = PLANS[type(excitation)](excitation, experiment.fs, rng)
-    return tuple(replace(run, trial=replace(run.trial, angle=angle)) for run in runs)
+    at = excitation.position if isinstance(excitation, Placed) else None
+    runs = tuple(PLANS[type(excitation)](excitation, experiment.fs, rng))
+    trials = [replace(run.trial, angle=angle, position=run.trial.position if at is None else at) for run in runs]
+    return tuple(replace(run, trial=trial) for run, trial in zip(runs, trials, strict=True))
+
+
+def _is_pushed(rig: Rig) -> bool:
+    return rig.excitation is not None and rig.excitation.quantity == "force"
 
 
 def _check_on_beam(excitation: AnyExcitation, rig: Rig) -> None:
     places = getattr(excitation, "positions", None) or [getattr(excitation, "position", None)]
+    if isinstance(excitation, Placed) and excitation.position is not None and not _is_pushed(rig):
+        raise InputError(
+            f"excitation.position = {excitation.position:g} m on a driven base",
+            "a base moves as a whole; a force acts at a place",
+            "leave the position out",
+        )
     length = rig.structure.length if isinstance(rig.structure, Beam) else 0.0
     for place in places:
         if place is not None and not 0.0 < place <= length:

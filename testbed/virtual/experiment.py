@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError
 
 from models.errors import InputError
+from models.excitations import Lines
 from models.rig import EffectEntry, NonNegative, Part, Positive
-from testbed.virtual.excitations import Lines
 
 Count = Annotated[int, Field(ge=1, strict=True)]
 
@@ -20,7 +20,13 @@ class Drive(Part):
     angle: Annotated[float, Field(ge=-180, le=180, strict=True)] = 0.0
 
 
-class Multisine(Drive):
+class Placed(Drive):
+    """What acts at ``position``, m from the clamp, if not where the rig file has its excitation."""
+
+    position: Positive | None = None
+
+
+class Multisine(Placed):
     """Periods of a sum of sines of random phase; ``rms`` may be a list of levels, each a record.
 
     ``lines``: all of a period's spectrum, the odd ones, or the odd ones without one of each four, drawn at random,
@@ -37,7 +43,7 @@ class Multisine(Drive):
     lines: Lines = "full"
 
 
-class Sweep(Drive):
+class Sweep(Placed):
     """A sine whose frequency grows by equal ratios in equal times."""
 
     kind: Literal["sweep"]
@@ -47,7 +53,7 @@ class Sweep(Drive):
     duration: Positive = 8.0
 
 
-class SteppedSine(Drive):
+class SteppedSine(Placed):
     """Sines one after the other, each for so many cycles and without a jump of phase."""
 
     kind: Literal["stepped_sine"]
@@ -58,7 +64,7 @@ class SteppedSine(Drive):
     amplitude: Positive = 5.0
 
 
-class Hammer(Drive):
+class Hammer(Placed):
     """Blows of half a sine; ``double`` is the share of a second hit ``rebound`` s after each, 0 for none."""
 
     kind: Literal["hammer"]
@@ -91,7 +97,7 @@ class Release(Part):
     duration: Positive = 4.0
 
 
-class FreeDecay(Drive):
+class FreeDecay(Placed):
     """A burst of a sine, and the record of what follows it: the excitation is over before it begins."""
 
     kind: Literal["free_decay"]

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from models.arrays import FloatArray
+from models.excitations import random_phase_multisine
 from models.plant import Plant, build_plant
 from models.record import Record
 from models.rig_file import read_rig
-from testbed.virtual.excitations import random_phase_multisine
 
 HOUSE = Path(__file__).parents[2]
 FS, SECONDS = 2048.0, 10

@@ -34,7 +34,7 @@ def test_where_nothing_is_hidden_in_frfs_the_model_is_complete_for_small_motion(
     assert found.final.score.nrmse == pytest.approx(found.final.score.noise_nrmse, rel=0.15)
     assert found.holdout["updated"].nrmse < 0.3 * found.holdout["as given"].nrmse
     assert (found.where, found.missing_forces, found.traces) == ((), (), {})
-    assert found.next_experiment["why"] == AT_REST_ONLY
+    assert found.next_experiment.why == AT_REST_ONLY
     assert any("small motion" in decision for decision in found.decisions)
     assert f"h.uff: {AT_REST_ONLY}" in found.findings
 
@@ -70,7 +70,7 @@ def test_what_is_hidden_in_frfs_is_found_with_its_place(hidden, size):
     # 1 % of noise on some 4000 numbers.
     assert effect.fitted_values()[0] == pytest.approx(size, rel=0.01)
     assert added.probability > 0.99
-    assert found.next_experiment["why"] == AT_REST_ONLY
+    assert found.next_experiment.why == AT_REST_ONLY
 
 
 @pytest.mark.slow
@@ -118,8 +118,8 @@ def test_frfs_help_time_records_whose_nonlinearity_can_be_seen():
     assert found.verdict == "complete"
     assert [row.record.name for row in found.final.score.records] == ["multisine"]
     assert [row.record.name for row in found.final.score.at_rest] == ["h.uff"]
-    assert "higher level" in found.next_experiment["do"]
-    assert found.next_experiment["why"] != AT_REST_ONLY
+    assert "higher level" in found.next_experiment.do
+    assert found.next_experiment.why != AT_REST_ONLY
     assert [error_map.record for error_map in found.where] == ["multisine"]
     errors = np.array([stage.score.nrmse for stage in found.stages])
     assert errors[-1] < 0.5 * errors[0]

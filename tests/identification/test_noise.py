@@ -10,7 +10,7 @@ from trial_records import FS, REFERENCE, measured, multisine, oscillator, sweep
 from identification.hypothesis import Hypothesis
 from identification.noise import estimate_noise, quiet_floor, unshared_density
 from models.band_limit import recorder_gain
-from testbed.virtual.excitations import half_sine_hammer
+from models.excitations import half_sine_hammer
 
 WITHIN = 0.15
 """Two to three standard deviations of the median of 33 to 100 free lines, in units of the noise."""

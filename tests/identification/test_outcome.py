@@ -1,4 +1,4 @@
-"""What a person reads: numbers in their units, groups that cannot be told apart, and the next experiment."""
+"""What a person reads: numbers in their units, and groups that cannot be told apart."""
 
 from dataclasses import replace
 
@@ -11,16 +11,13 @@ from identification.fit import Fit
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
 from identification.judge import Ranked
 from identification.outcome import (
-    CHAOTIC,
     LARGEST_LOG_STD,
     added_effects,
     candidates_of,
     effect_estimates,
     groups_of,
-    next_experiment,
     rig_estimates,
 )
-from identification.prepare import Horizon
 from models.effects import Place
 from models.effects.point_damping import PointDamping
 from models.effects.point_mass import PointMass
@@ -127,31 +124,3 @@ def test_what_cannot_be_excluded_stands_in_one_group():
     assert groups_of(rows, [0.7, 0.29, 0.01, 0.0]) == ((MASS, DAMPING),)
     assert groups_of(rows, [0.99, 0.005, 0.005, 0.0]) == ()
     assert groups_of([], []) == ()
-
-
-CALM, WILD = [Horizon("a", 2.0, 1.0)], [Horizon("a", 2.0, 1.0), Horizon("b", 2.0 * CHAOTIC, 1.0)]
-
-
-@pytest.mark.parametrize(
-    ("verdict", "chances", "limits", "advice"),
-    [
-        ("missing_effect", [0.6, 0.4], WILD, "lower level"),
-        ("complete", [0.6, 0.4], CALM, "higher level"),
-        ("missing_effect", [0.6, 0.4], CALM, "two more levels"),
-        ("missing_effect", [0.99, 0.01], CALM, "kept aside"),
-    ],
-)
-def test_the_next_experiment_tells_what_is_open(verdict, chances, limits, advice):
-    rows = [ranked(MASS), ranked(DAMPING)]
-
-    told = next_experiment(verdict, rows, chances, limits)
-
-    assert advice in told["do"]
-    assert told["why"]
-
-
-def test_two_places_of_one_kind_do_not_ask_for_more_levels():
-    rows = [ranked(MASS), ranked(PointMass(Place(position=0.9), mass=0.3))]
-
-    assert "--holdout" in next_experiment("missing_effect", rows, [0.6, 0.4], CALM)["do"]
-    assert "higher" in next_experiment("missing_effect", rows, [0.6, 0.4], CALM, kept_aside=True)["do"]

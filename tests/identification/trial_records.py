@@ -9,11 +9,11 @@ from identification.evaluate import Evaluator, TimeTarget
 from identification.fit import Fit
 from identification.hypothesis import Hypothesis, effect_unknowns
 from identification.noise import Noise
+from models.excitations import logarithmic_sweep, random_phase_multisine
 from models.record import Record
 from models.rig import Excitation, Oscillator, Rig, Sensor
 from models.rig_file import read_rig
 from models.simulate import Settings
-from testbed.virtual.excitations import logarithmic_sweep, random_phase_multisine
 
 REFERENCE = read_rig(Path(__file__).parents[1] / "data" / "reference_rig.toml")
 FS = 2048.0

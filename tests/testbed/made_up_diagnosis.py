@@ -1,8 +1,12 @@
 """A diagnosis that nobody computed, for the tests of what is made from one."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from identification.hypothesis import Hypothesis
+from identification.next_experiment.planned import PlannedTest
+from identification.next_experiment.proposal import Option, Proposal
 from identification.noise import Noise
 from identification.result import (
     AddedEffect,
@@ -45,6 +49,21 @@ def made_up_score(record, error):
     return Score((scored,))
 
 
+def made_up_proposal():
+    table = {"kind": "sweep", "low": 5.0, "high": 100.0, "amplitude": 2.0, "duration": 4.0}
+    test = PlannedTest("a sweep of 2 N", "sweep", table, FS, 1.0)
+    weaker = replace(test, words="a sweep of 1 N")
+    return Proposal(
+        do=test.words,
+        why="to tell them apart",
+        test=test,
+        options=(Option(test, 0.98, 4.2, 2.1, 4.0), Option(weaker, 0.7, 1.1, 1.0, 4.0)),
+        present_probability=0.5,
+        rivals=(FILM, FRICTION),
+        noise={"P1": 0.01, "excitation": 0.0},
+    )
+
+
 def made_up_diagnosis(rig, record=None, verdict="missing_effect"):
     record = made_up_record(rig) if record is None else record
     n = len(record.sensors)
@@ -79,7 +98,7 @@ def made_up_diagnosis(rig, record=None, verdict="missing_effect"):
         missing_forces=(MissingForce("sleeve 2", record.name, np.zeros(100), np.zeros(100), force, 100.0),),
         updated_maps=(error_map,),
         traces={},
-        next_experiment={"excitation": "sweep", "level": 2.0},
+        next_experiment=made_up_proposal(),
         decisions=("added squeeze_film at sleeve 2",),
         seconds=41.0,
         seed=0,

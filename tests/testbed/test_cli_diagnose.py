@@ -60,12 +60,14 @@ def test_the_results_of_a_diagnosis_stand_in_its_folder(folder, loop, capsys):
     out = folder / "results" / "rig"
     files = {str(path.relative_to(out)) for path in out.rglob("*") if path.is_file()}
     history = {f"history/{name}" for name in ("0001.toml", "0002.toml", "0003.toml", "history.json")}
-    assert files == {"diagnosis.json", "rig.updated.toml", "report.html", "run.json", *history}
+    written = {"diagnosis.json", "rig.updated.toml", "report.html", "run.json", "next_experiment.toml"}
+    assert files == {*written, *history}
     assert json.loads((out / "diagnosis.json").read_text())["verdict"] == "missing_effect"
     assert read_rig(out / "rig.updated.toml").effects[0].kind == "squeeze_film"
     streams = capsys.readouterr()
     assert "+ squeeze_film at sleeve 2" in streams.out
     assert "results/rig/report.html" in streams.out
+    assert "results/rig/next_experiment.toml" in streams.out
     assert "screening" in streams.err
     assert "screening" not in streams.out
 

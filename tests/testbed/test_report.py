@@ -10,6 +10,7 @@ import pytest
 from made_up_diagnosis import FRICTION, made_up_diagnosis, made_up_record, made_up_score
 
 from identification.at_rest import PairedModes
+from identification.next_experiment.proposal import Proposal
 from identification.result import Candidate, Estimate, FrfScore, ModesScore, Score
 from models.record import FrfRecord, ModeShapeRecord
 from models.rig import Excitation, Oscillator, Rig, Sensor
@@ -165,18 +166,28 @@ def test_an_oscillator_with_one_sensor_and_one_record(oscillator, tmp_path):
     assert "+0.38 ± 0.21" in page.text
 
 
+def test_the_next_experiment_stands_with_its_options(rig, tmp_path):
+    page = page_of(made_up_diagnosis(rig), rig, tmp_path)
+
+    assert "to tell them apart" in page.text
+    assert "expected probability" in page.text
+    assert all(words in page.text for words in ("a sweep of 2 N", "0.980", "a sweep of 1 N", "0.700", "1.07"))
+    assert "next_experiment.toml" in page.text
+
+
 def test_a_free_decay_has_no_frf_and_a_rig_without_tolerances_no_parameters(rig, tmp_path):
     certain = rig.model_copy(update={"tolerances": {}})
     record = replace(made_up_record(rig), excitation=None, moving_start=True)
     found = replace(made_up_diagnosis(certain, record), rig_estimates=(), missing_forces=(), where=(), updated_maps=())
 
-    page = page_of(replace(found, next_experiment={}), certain, tmp_path)
+    page = page_of(replace(found, next_experiment=Proposal("a time record", "to see more")), certain, tmp_path)
 
     assert "No record has a measured excitation" in page.text
     assert "No number of the rig was calibrated" in page.text
     assert "free decay" in page.text
     assert "estimated" in page.text
-    assert "No experiment is proposed" in page.text
+    assert "a time record" in page.text
+    assert "No file of it" in page.text
 
 
 def test_many_records_make_a_page_of_a_few_megabytes_that_says_what_it_leaves_out(whole_rig, tmp_path):

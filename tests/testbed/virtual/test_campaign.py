@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from models.errors import InputError
+from models.excitations import DETECTION_GROUP, random_phase_multisine, stepped_sine
 from models.rig_file import read_rig
 from testbed.virtual.campaign import runs_of
-from testbed.virtual.excitations import DETECTION_GROUP, random_phase_multisine, stepped_sine
 from testbed.virtual.experiment import Experiment
 
 REFERENCE = read_rig(Path(__file__).parents[2] / "data" / "reference_rig.toml")
@@ -90,3 +90,18 @@ def test_what_the_rig_cannot_have_is_told(rig, excitation, message):
         rig = {"excitation": driven}
     with pytest.raises(InputError, match=message):
         planned(REFERENCE.model_copy(update=rig), **excitation)
+
+
+def test_a_force_acts_where_the_experiment_says():
+    (run,) = planned(kind="multisine", position=0.65)
+    (as_the_rig_says,) = planned(kind="multisine")
+    assert (run.trial.position, as_the_rig_says.trial.position) == (0.65, None)
+    with pytest.raises(InputError, match="a force acts on the beam"):
+        planned(kind="hammer", position=2.0)
+
+
+def test_a_driven_base_has_no_position():
+    excitation = REFERENCE.excitation.model_copy(update={"quantity": "base_acceleration", "position": None})
+    shaken = REFERENCE.model_copy(update={"excitation": excitation})
+    with pytest.raises(InputError, match="a base moves as a whole"):
+        planned(shaken, kind="sweep", position=0.65)

@@ -28,10 +28,13 @@ def test_every_kind_and_key_stands_in_the_docs():
     page = (DOCS / "experiments.md").read_text()
     for kind, part in EXCITATIONS.items():
         (row,) = [line for line in page.splitlines() if line.startswith(f"| `{kind}` |")]
-        named = [key for key in part.model_fields if key not in ("kind", "angle")]
+        common = ("kind", "angle") if kind == "release" else ("kind", "angle", "position")
+        named = [key for key in part.model_fields if key not in common]
         assert all(f"`{key}`" in row or f"{key} of each" in row for key in named), kind
         assert ("angle" in part.model_fields) == (kind != "release")
+        assert ("position" in part.model_fields) == (kind != "roving_hammer")
     assert "`angle`" in page
+    assert "`position`" in page
 
 
 @pytest.mark.parametrize(
@@ -41,7 +44,7 @@ def test_every_kind_and_key_stands_in_the_docs():
         ('[excitation]\nkind = "multisin"', r"kind = multisin; a kind is one of multisine, sweep, .*; choose one"),
         (
             '[excitation]\nkind = "sweep"\nlo = 3.0',
-            r"excitation.lo; the keys here are angle, kind, low, .*; did you mean low\?",
+            r"excitation.lo; the keys here are angle, position, kind, low, .*; did you mean low\?",
         ),
         ('[excitation]\nkind = "sweep"\nlow = -3.0', r"excitation.low = -3.0; input should be greater than 0; docs/"),
         ('[excitation]\nkind = "sweep"\n[sensors.P1]\npreste = "x"', r"sensors.P1.preste; .*; did you mean preset\?"),

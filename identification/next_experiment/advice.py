@@ -1,0 +1,151 @@
+"""What to measure next where no group of effects is to be told apart."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from identification.evaluate import Evaluator
+from identification.hypothesis import Hypothesis
+from identification.next_experiment import candidates
+from identification.next_experiment.bench import Bench
+from identification.next_experiment.costs import COSTS
+from identification.next_experiment.planned import PlannedTest
+from identification.next_experiment.proposal import Proposal
+from identification.prepare import horizons
+from identification.result import ErrorMap, MissingForce
+from models.arrays import FloatArray
+from models.simulate import Settings, Trace
+
+CHAOTIC = 1e4
+"""Growth of a small disturbance over a record from which its motion cannot be followed."""
+
+LOWER, HIGHER = (0.7, 0.5, 0.3, 0.2, 0.1), (2.0, 4.0)
+"""Levels, times those of the records, that are tried for a motion that can be followed, or that reaches further."""
+
+
+def lower_level(records: Evaluator, bench: Bench, model: Hypothesis) -> Proposal:
+    """A level at which the motion can be followed.
+
+    Args:
+        records: so far.
+        bench: the same in short.
+        model: the best there is.
+    """
+    for factor in LOWER:
+        limits = horizons(_louder(records, factor), model)
+        if all(limit.growth <= CHAOTIC for limit in limits):
+            break
+    return Proposal(
+        f"repeat at a lower level, {factor:g} times that of the records",
+        f"neighbouring motions part too fast to be followed; at {factor:g} times the level they stay together",
+        _steady(bench, factor),
+    )
+
+
+def higher_level(records: Evaluator, bench: Bench, model: Hypothesis, *, known: bool) -> Proposal:
+    """A level at which the motion reaches what it has not reached so far.
+
+    Args:
+        records: so far.
+        bench: the same in short.
+        model: the best there is.
+        known: whether an effect was found, that is, whether the model is to be tried or to be completed.
+    """
+    sleeves = [contact.sleeve for contact in model.plant().contacts]
+    factor, found = _further(sleeves, {level: _pressed(records, model, level) for level in (1.0, *HIGHER)})
+    reason = (
+        "the updated model was seen to predict what was kept aside; where it ends shows only beyond"
+        if known
+        else "a nonlinearity shows only where the motion reaches it"
+    )
+    words = f"repeat at a higher level, {factor:g} times that of the records"
+    return Proposal(words, f"{reason}; {found}" if found else reason, _steady(bench, factor))
+
+
+def _further(sleeves: Sequence[str], pressed: Mapping[float, FloatArray]) -> tuple[float, str]:
+    """The least level at which a wall is touched that was not, and what is touched there, in words.
+
+    Args:
+        sleeves: names.
+        pressed: (2, n_sleeves) largest force of each lower and upper wall, N, by level; 1 is that of the records.
+    """
+    if not sleeves:
+        return HIGHER[0], ""
+    now = pressed[1.0]
+    for level in HIGHER:
+        is_new = np.any((now == 0.0) & (pressed[level] > 0.0), axis=0)
+        fresh = [name for name, new in zip(sleeves, is_new, strict=True) if new]
+        if fresh:
+            return level, f"walls of {' and '.join(fresh)} that no record has touched are touched there"
+    if np.any(now == 0.0):
+        return HIGHER[-1], f"up to {HIGHER[-1]:g} times the level it reaches no other wall"
+    deeper = float(pressed[HIGHER[0]].max() / now.max())
+    return HIGHER[0], f"every wall has been touched; there they are pressed {deeper:.2g} times as hard"
+
+
+def another_kind(bench: Bench) -> Proposal:
+    """A record to be kept aside, of a kind that the fit has not seen."""
+    test = candidates.swept(bench, COSTS, 1.0) if bench.level else None
+    words = "a record that is kept aside (--holdout), of another kind than those fitted"
+    return Proposal(f"{words}: {test.words}" if test else words, "to see whether the updated model predicts it", test)
+
+
+def more_of_what_is_left(bench: Bench, maps: Sequence[ErrorMap], forces: Sequence[MissingForce]) -> Proposal:
+    """Where and when nothing explains the motion, seen longer and at another level.
+
+    Args:
+        bench: the records so far.
+        maps: errors of the best model.
+        forces: that the calibrated model lacks.
+    """
+    parts = []
+    band = bench.band
+    if maps:
+        worst = max(maps, key=lambda m: float(np.nanmax(_beyond(m))))
+        line = int(np.nanargmax(np.nanmean(_beyond(worst), axis=0)))
+        middle = float(worst.frequency[line])
+        band = candidates.about(middle, band)
+        parts.append(f"the model misses most about {middle:.3g} Hz in {worst.record}")
+    if forces:
+        most = max(forces, key=lambda force: float(force.force.std()))
+        parts.append(f"the force that is missing is largest at {most.place}")
+    test = candidates.steady(bench, COSTS, 0.5, band, "level") if bench.level else None
+    near = f", with a sensor at {most.place}" if forces else ""
+    return Proposal(
+        f"half the level and the same level again, in a narrow band{near}",
+        "; ".join([*parts, "how what is left grows with the level, and what it does at its place, tells its kind"]),
+        test,
+    )
+
+
+def _beyond(error_map: ErrorMap) -> FloatArray:
+    """(n_sensors, n_bands) error beyond the noise."""
+    return np.maximum(error_map.by_frequency - error_map.noise_by_frequency, 0.0)
+
+
+def _steady(bench: Bench, factor: float) -> PlannedTest | None:
+    return candidates.steady(bench, COSTS, factor, bench.band, "level") if bench.level else None
+
+
+def _louder(records: Evaluator, factor: float) -> Evaluator:
+    """The time records with their excitation made larger; what began in motion moves more."""
+    louder = []
+    for target in records.timed:
+        force = target.driven.excitation
+        driven = replace(target.driven, excitation=None if force is None else factor * force)
+        louder.append(replace(target, driven=driven))
+    return records.with_targets(louder)
+
+
+def _pressed(records: Evaluator, model: Hypothesis, factor: float) -> FloatArray:
+    """(2, n_contacts) largest force of each sleeve's lower and upper wall over all records, N."""
+    started = replace(model, starts={name: factor * start for name, start in model.starts.items()})
+    responses = _louder(records, factor).responses(started, Settings(trace=True))
+    walls = [_walls(response.trace) for response in responses if response.trace is not None]
+    return np.max(walls, axis=0) if walls else np.zeros((2, 0))
+
+
+def _walls(trace: Trace) -> FloatArray:
+    """(2, n_contacts) largest force upwards, from the lower wall, and downwards."""
+    return np.stack([trace.contact_forces.max(axis=1, initial=0.0), -trace.contact_forces.min(axis=1, initial=0.0)])

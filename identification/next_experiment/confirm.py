@@ -1,0 +1,104 @@
+"""The separation of two rivals by refitting the wrong one to what the right one predicts, old records and the new one.
+
+What a number can explain away is a matter of slopes only as long as it moves little; a law that contains another
+(friction that slips slowly is a dashpot) moves far. So what is proposed is confirmed by a fit.
+
+Source: A. C. Atkinson, V. V. Fedorov, Biometrika 62 (1975) 57: T-optimality, the wrong model at its best fit.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from identification.evaluate import Evaluator
+from identification.fit import fit
+from identification.hypothesis import Hypothesis
+from identification.next_experiment.forecast import Forecast
+from identification.next_experiment.rivals import Rival
+from identification.prepare import start_unknowns
+from models.arrays import FloatArray
+
+WINDOWS = (0.3, 0.8)
+"""Seconds of the new record that are fitted first: what is far off at its end has lost its way, and finds it there."""
+
+ITERATIONS, TOLERANCE = 8, 0.01
+"""Of a fit that only has to show whether a separation stands."""
+
+
+class Against(Evaluator):
+    """An evaluator in which a model's prediction stands for what was measured.
+
+    Args:
+        evaluator: records and noise.
+        truth: the model.
+
+    Raises:
+        ArithmeticError: the model diverges.
+    """
+
+    def __init__(self, evaluator: Evaluator, truth: Hypothesis) -> None:
+        super().__init__(evaluator.targets, evaluator.jobs, evaluator.settings)
+        (row,) = evaluator.residuals([(truth, None)])
+        if row is None:
+            raise ArithmeticError("the model that stands for the truth diverges")
+        self._truth = row
+
+    def residuals(self, hypotheses: Iterable[tuple[Hypothesis, str | None]]) -> list[FloatArray | None]:
+        """Residuals in units of the noise against the model's prediction.
+
+        Args:
+            hypotheses: as those of ``Evaluator``.
+        """
+        rows = super().residuals(hypotheses)
+        return [None if row is None else row - self._truth for row in rows]
+
+
+def confirmed(seen: Forecast, rivals: Sequence[Rival], old: Evaluator, scatter: FloatArray) -> FloatArray:
+    """The covariance of the log odds with separations from and to the first rival found by fits, where those are less.
+
+    Args:
+        seen: predictions of a test.
+        rivals: the same.
+        old: the records so far.
+        scatter: (K, K, K) from slopes.
+    """
+    found = scatter.copy()
+    for other in range(1, len(rivals)):
+        for a, b in ((0, other), (other, 0)):
+            size = _refitted(seen, rivals, old, a, b)
+            if size < scatter[a, b, b]:
+                share = np.sqrt(size / scatter[a, b, b])
+                found[a, b, :] *= share
+                found[a, :, b] *= share
+    return found
+
+
+def _refitted(seen: Forecast, rivals: Sequence[Rival], old: Evaluator, a: int, b: int) -> float:
+    """Increase of the least misfit of b that the new record brings if a is right, in independent data."""
+    (target,) = seen.evaluator.timed
+    seconds = target.record.duration
+    # Two seconds stand for the whole of a steady test: their noise is that of its mean.
+    new = replace(target, density=target.density * seconds / max(seen.useful, seconds))
+    both = old.with_targets([*old.targets, new])
+    right, wrong = (_with_starts(rivals[i].fit.hypothesis, seen.models[i]) for i in (a, b))
+    try:
+        unknowns = (*rivals[b].fit.unknowns, *start_unknowns(wrong, [target.record]))
+        before = Against(old, right).residuals([(wrong, None)])[0]
+        for seconds_seen in WINDOWS:
+            if seconds_seen < seconds:
+                begun = new.cut(round(seconds_seen * target.record.fs))
+                short = Against(old.with_targets([*old.targets, begun]), right)
+                wrong = fit(short, wrong, unknowns, max_iterations=ITERATIONS, tolerance=TOLERANCE).hypothesis
+        after = fit(Against(both, right), wrong, unknowns, max_iterations=ITERATIONS, tolerance=TOLERANCE)
+    except ArithmeticError:
+        return float("inf")
+    if before is None:
+        return float("inf")
+    independent = seen.weight / (max(seen.useful, seconds) / seconds)
+    return max(0.0, after.cost - float(before @ before) - rivals[b].fit.penalty) * independent
+
+
+def _with_starts(fitted: Hypothesis, new: Hypothesis) -> Hypothesis:
+    """A rival's fit, about the rig of the new test, with the states at the start of old records and of the new one."""
+    return replace(fitted, rig=new.rig, starts={**fitted.starts, **new.starts})

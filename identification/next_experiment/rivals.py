@@ -1,0 +1,79 @@
+"""Effects that the records cannot tell apart, each with what is known of its numbers."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from identification.evidence import Ranked, misfit_in_common
+from identification.fit import NOT_TOLD, Fit
+from identification.hypothesis import Hypothesis, Unknown, at_coordinates, coordinates
+from models.arrays import FloatArray
+from models.effects import Effect
+
+MOST_RIVALS = 3
+"""The most probable members of a group that a test is chosen for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rival:
+    """One member of the group.
+
+    Attributes:
+        effect: in doubt.
+        fit: of all its numbers on the records so far.
+        hypothesis: at its fit, without states at the start of old records.
+        chance: present probability.
+        unknowns: what may still move in a new record.
+        axes: (n, n) principal axes of the posterior as rows, one standard deviation long, in the unknowns' coordinates.
+    """
+
+    effect: Effect
+    fit: Fit
+    hypothesis: Hypothesis
+    chance: float
+    unknowns: tuple[Unknown, ...]
+    axes: FloatArray
+
+    def moved(self, along: FloatArray) -> Hypothesis:
+        """The hypothesis away from its fit.
+
+        Args:
+            along: (n,) in the unknowns' coordinates.
+        """
+        return at_coordinates(self.hypothesis, self.unknowns, coordinates(self.hypothesis, self.unknowns) + along)
+
+
+def rivals_of(ranked: Sequence[Ranked], chances: Sequence[float], least: float) -> tuple[Rival, ...]:
+    """The rows of a round that its records cannot exclude, the most probable first.
+
+    Args:
+        ranked: of the round.
+        chances: probabilities of its rows.
+        least: probability above which a row is not excluded.
+    """
+    scale = misfit_in_common(ranked)
+    pairs = zip(ranked, chances, strict=False)
+    kept = sorted(((r, p) for r, p in pairs if p > least and r.refitted), key=lambda pair: -pair[1])
+    return tuple(_rival(row, chance, scale) for row, chance in kept[:MOST_RIVALS])
+
+
+def _rival(row: Ranked, chance: float, scale: float) -> Rival:
+    """With the posterior in the unit of the round's residuals; states at the start of old records are integrated out.
+
+    What neither a prior nor the records tell is known to a thousand units, as in ``fit``.
+    """
+    found = row.fit
+    prior = np.diag([1.0 if unknown.prior else 0.0 for unknown in found.unknowns])
+    value, vector = np.linalg.eigh(found.jacobian @ found.jacobian.T / scale + prior)
+    covariance = (vector / np.maximum(value, NOT_TOLD)) @ vector.T
+    lasting = [i for i, unknown in enumerate(found.unknowns) if unknown.record is None]
+    variance, axes = np.linalg.eigh(covariance[np.ix_(lasting, lasting)])
+    return Rival(
+        row.effect,
+        found,
+        replace(found.hypothesis, starts={}, offsets={}),
+        chance,
+        tuple(found.unknowns[i] for i in lasting),
+        np.asarray((axes * np.sqrt(np.maximum(variance, 0.0))).T),
+    )

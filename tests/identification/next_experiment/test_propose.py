@@ -1,0 +1,132 @@
+"""What is proposed after every verdict."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rival_scenes import built, ranked_on
+
+from identification.evaluate import Evaluator
+from identification.hypothesis import Hypothesis
+from identification.next_experiment.advice import CHAOTIC, LOWER
+from identification.next_experiment.propose import next_experiment, shortened
+from identification.outcome import AT_REST_ONLY
+from identification.prepare import Horizon, horizons
+from identification.result import ErrorMap, MissingForce
+from identification.session import Session
+from models.effects import EFFECTS, Place
+from models.effects.cubic_stiffness import CubicStiffness
+from models.effects.sensor_gain import SensorGain
+from tests.identification.trial_records import REFERENCE, evaluator_of, measured, multisine, oscillator
+
+CALM = [Horizon("test", 2.0, 1.0)]
+
+
+def session_of(evaluator, limits=None):
+    return Session(evaluator, evaluator, CALM if limits is None else limits, EFFECTS, lambda _: None, 0)
+
+
+def oscillators_record(truth=None, rms=5.0, n=2048):
+    rig = oscillator("displacement")
+    record, noise = measured(truth or Hypothesis(rig), multisine(n, rms=rms, low=10.0), noise=0.01)
+    return Hypothesis(rig), evaluator_of((record, noise))
+
+
+def test_without_a_time_record_one_is_asked_for():
+    told = next_experiment(session_of(Evaluator([], 1)), "complete", [], Hypothesis(REFERENCE))
+    assert told.why == AT_REST_ONLY
+    assert told.test is None
+
+
+def test_a_complete_model_is_tried_at_a_higher_level():
+    model, evaluator = oscillators_record()
+    told = next_experiment(session_of(evaluator), "complete", [], model)
+    assert "higher level" in told.do
+    assert told.test.excitation["rms"] == pytest.approx(10.0, rel=0.01)
+    assert set(told.noise) == {"top", "excitation"}
+
+
+def test_a_complete_model_is_tried_where_it_touches_what_it_has_not_touched():
+    model = built()[0]
+    record, noise = measured(model, multisine(2048, rms=1.0, low=10.0))
+
+    told = next_experiment(session_of(evaluator_of((record, noise))), "complete", [], model)
+
+    assert "walls of sleeve 1" in told.why
+    factor = told.test.excitation["rms"]
+    louder = replace(record, excitation=factor * record.excitation)
+    trace = model.simulated(louder, replace(evaluator_of((record, noise)).settings, trace=True)).trace
+    assert np.abs(trace.contact_forces[0]).max() > 0.0
+
+
+def test_a_motion_that_cannot_be_followed_is_asked_for_at_a_level_at_which_it_can():
+    model = built()[0]
+    record, noise = measured(model, multisine(4096, rms=60.0, low=10.0))
+    evaluator = evaluator_of((record, noise))
+    limits = [Horizon("test", 2.0 * CHAOTIC, 0.5)]
+
+    told = next_experiment(session_of(evaluator, limits), "missing_effect", [], model)
+
+    assert "lower level" in told.do
+    factor = told.test.excitation["rms"] / 60.0
+    assert min(abs(factor / lower - 1.0) for lower in LOWER) < 0.01
+    quiet = evaluator_of((replace(record, excitation=factor * record.excitation), noise))
+    assert horizons(quiet, model)[0].growth <= CHAOTIC
+
+
+def test_a_model_that_nobody_tried_is_tried_on_a_record_of_another_kind():
+    model, evaluator = oscillators_record()
+    told = next_experiment(session_of(evaluator), "missing_effect", [], model)
+    assert "--holdout" in told.do
+    assert told.test.excitation["kind"] == "sweep"
+
+    kept = next_experiment(session_of(evaluator), "missing_effect", [], model, kept_aside=True)
+    assert "higher level" in kept.do
+    assert "kept aside" in kept.why
+
+
+def test_what_is_unexplained_is_looked_at_where_it_is():
+    model, evaluator = oscillators_record()
+    errors = np.array([[0.1, 0.8, 0.1]])
+    frequency, quiet = np.array([30.0, 60.0, 90.0]), np.full((1, 3), 0.01)
+    where = ErrorMap("test", 5.0, frequency, errors, np.array([0.5]), np.ones((1, 1)), quiet)
+    force = MissingForce("mass", "test", np.zeros(9), np.zeros(9), np.arange(9.0), 100.0)
+
+    told = next_experiment(session_of(evaluator), "unexplained", [], model, maps=[where], forces=[force])
+
+    assert told.test.excitation["low"] < 60.0 < told.test.excitation["high"]
+    assert told.test.excitation["rms"] == pytest.approx(2.5, rel=0.01)
+    assert "60 Hz" in told.why
+    assert "mass" in told.why
+
+
+def test_a_group_is_told_apart_by_a_weighed_test():
+    rig = oscillator("displacement")
+    cubic = CubicStiffness(Place(), stiffness=3.0 * rig.structure.stiffness / 1e-3**2)
+    gain = SensorGain(Place(sensor="top"), gain=1.0)
+    _, evaluator = oscillators_record(Hypothesis(rig, effects=(cubic,)), rms=2.0)
+    ranked = ranked_on(evaluator, [Hypothesis(rig, effects=(effect,)) for effect in (cubic, gain)])
+    chances = [0.6, 0.4]
+
+    told = next_experiment(session_of(evaluator), "missing_effect", [(ranked, chances)], ranked[0].fit.hypothesis)
+
+    assert told.best.expected_probability > 0.95
+    assert told.best.test is told.test
+    assert {effect.kind for effect in told.rivals} == {"cubic_stiffness", "sensor_gain"}
+    assert "do not tell" in told.why
+    assert told.present_probability < told.best.expected_probability
+
+
+def test_a_part_of_old_records_stands_for_all_of_them():
+    _, evaluator = oscillators_record(n=20480)
+    model = Hypothesis(oscillator("displacement"))
+    short = shortened(evaluator)
+    assert sum(target.record.duration for target in short.timed) == pytest.approx(6.0, abs=0.1)
+    change = [SensorGain(Place(sensor="top"), gain) for gain in (1.0, 1.1)]
+
+    def told(records):
+        one, other = records.residuals([(model.with_effects(effect), None) for effect in change])
+        return np.sum((one - other) ** 2)
+
+    # The first second, before the resonance has built up, counts more in the part.
+    assert told(short) == pytest.approx(told(evaluator), rel=0.15)
