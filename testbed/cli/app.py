@@ -11,12 +11,15 @@ from models.errors import InputError
 from testbed import __version__
 from testbed.cli import (
     add,
+    benchmark,
+    budget,
     check,
     compare,
     cosim,
     crosscheck,
     demo,
     diagnose,
+    effects,
     film,
     frf,
     history,
@@ -39,14 +42,17 @@ for module, command in (
     (undo, undo.undo),
     (modes, modes.modes),
     (frf, frf.frf),
+    (budget, budget.budget),
     (identify, identify.identify),
     (simulate, simulate.simulate),
     (film, film.film),
     (cosim, cosim.cosim),
     (crosscheck, crosscheck.crosscheck),
+    (effects, effects.effects),
 ):
     app.command(epilog=module.EXAMPLE)(command)
 app.add_typer(study.study, name="study")
+app.add_typer(benchmark.benchmark, name="benchmark")
 
 BAD_INPUT, INTERRUPTED = 2, 130
 

@@ -11,7 +11,7 @@ from testbed.cli.app import main
 
 COMMANDS = (
     *("demo", "check", "compare", "diagnose", "add", "history", "undo", "modes", "frf", "identify"),
-    *("simulate", "film", "cosim", "crosscheck", "study"),
+    *("simulate", "film", "cosim", "crosscheck", "effects", "study"),
 )
 RIG = Path(__file__).parents[1] / "data" / "reference_rig.toml"
 

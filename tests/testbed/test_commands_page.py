@@ -17,7 +17,7 @@ EXAMPLES = [
     if line.startswith("testbed ")
 ]
 LONG = ("diagnose", "demo")
-SLOW = ("crosscheck", "study")
+SLOW = ("benchmark", "crosscheck", "study")
 """Run elsewhere: with made-up results in test_cli_diagnose.py, in earnest by the tests of demo and studies."""
 
 

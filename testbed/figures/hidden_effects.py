@@ -1,0 +1,146 @@
+"""Figures of the hidden-effect benchmark, from the content of its ``summary.json``."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
+
+Json = Mapping[str, Any]
+
+PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
+
+STAGES = ("before", "calibrated", "after")
+RIGHT, WRONG = "tab:blue", "tab:red"
+
+
+def figures_of(summary: Json) -> Iterator[tuple[str, Figure]]:
+    """Every figure with its file's name; those without a case to show are left out.
+
+    Args:
+        summary: content of ``summary.json``.
+    """
+    if summary["confusion"]:
+        rows = len(summary["confusion"])
+        figure = Figure(figsize=(11.0, 3.0 + 0.27 * rows), layout="constrained")
+        plot_confusion(figure.subplots(), summary["confusion"])
+        yield "confusion", figure
+    if summary["calibration"]:
+        figure = Figure(figsize=(5.0, 4.5), layout="constrained")
+        plot_calibration(figure.subplots(), summary["calibration"])
+        yield "calibration", figure
+    if summary["held_out"]["rows"]:
+        figure = Figure(figsize=(11.0, 4.5), layout="constrained")
+        plot_held_out(figure.subplots(), summary["held_out"]["rows"])
+        yield "held_out", figure
+    if summary["detection"]["rows"]:
+        figure = Figure(figsize=(8.0, 4.5), layout="constrained")
+        plot_detection(figure.subplots(), summary["detection"])
+        yield "detection", figure
+    if summary["seconds"]["rows"]:
+        figure = Figure(figsize=(6.0, 4.0), layout="constrained")
+        plot_seconds(figure.subplots(), summary["seconds"])
+        yield "seconds", figure
+
+
+def plot_confusion(ax: Axes, table: Mapping[str, Mapping[str, int]]) -> None:
+    """How often each kind was taken for which.
+
+    Args:
+        ax: to draw on.
+        table: true kind -> named kind or verdict -> count.
+    """
+    true = list(table)
+    named = sorted({name for row in table.values() for name in row}, key=lambda n: (n not in true, n))
+    order = [name for name in true if name in named] + [name for name in named if name not in true]
+    counts = np.array([[row.get(name, 0) for name in order] for row in table.values()])
+    ax.imshow(counts / counts.sum(axis=1, keepdims=True), cmap="Blues", vmin=0.0, vmax=1.0, aspect="auto")
+    for (i, j), count in np.ndenumerate(counts):
+        if count:
+            share = count / counts[i].sum()
+            ax.text(j, i, str(count), ha="center", va="center", fontsize=8, color="white" if share > 0.6 else "black")
+    ax.set_xticks(range(len(order)), order, rotation=60, ha="right", fontsize=8)
+    ax.set_yticks(range(len(true)), true, fontsize=8)
+    ax.set(xlabel="named first, or the verdict", ylabel="hidden")
+    ax.set_title("cases of one effect, of none, and outside the library", fontsize=10)
+
+
+def plot_calibration(ax: Axes, rows: Sequence[Json]) -> None:
+    """How often the diagnosis is right where it believes so much.
+
+    Args:
+        ax: to draw on.
+        rows: ``believed``, ``right`` and ``cases`` of each bin.
+    """
+    believed = [row["believed"] for row in rows]
+    shares = [row["right"] / row["cases"] for row in rows]
+    spread = [np.sqrt(max(s * (1.0 - s), 0.01) / row["cases"]) for s, row in zip(shares, rows, strict=True)]
+    ax.plot([0.0, 1.0], [0.0, 1.0], color="0.6", linewidth=1.0)
+    ax.errorbar(believed, shares, spread, fmt="o", color=RIGHT, capsize=3)
+    for x, y, row in zip(believed, shares, rows, strict=True):
+        ax.annotate(str(row["cases"]), (x, y), xytext=(-6, 6), textcoords="offset points", ha="right", fontsize=8)
+    ax.set(xlim=(0.0, 1.05), ylim=(0.0, 1.05), xlabel="probability of the first effect [-]", ylabel="share right [-]")
+    ax.set_title("cases of one effect; numbers are cases", fontsize=10)
+
+
+def plot_held_out(ax: Axes, rows: Sequence[Json]) -> None:
+    """Errors on the records held out over the true noise, as given, calibrated and with what was added.
+
+    Args:
+        ax: to draw on.
+        rows: of each case.
+    """
+    ordered = sorted(rows, key=lambda row: (row["class"], row["calibrated"]))
+    place = np.arange(len(ordered))
+    for stage, colour, marker in zip(STAGES, ("0.6", "tab:orange", RIGHT), ("_", "x", "."), strict=True):
+        ax.plot(place, [row[stage] for row in ordered], marker, color=colour, label=stage)
+    ax.axhline(1.0, color="black", linewidth=0.8, label="noise")
+    classes = [row["class"] for row in ordered]
+    for name in dict.fromkeys(classes):
+        first = classes.index(name)
+        ax.axvline(first - 0.5, color="0.8", linewidth=0.8)
+        ax.annotate(name, (first, 1.0), xycoords=("data", "axes fraction"), xytext=(2, -10),
+                    textcoords="offset points", fontsize=8)  # fmt: skip
+    ax.set_yscale("log")
+    ax.set(xlabel="case", ylabel="error held out / true noise [-]")
+    ax.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
+def plot_detection(ax: Axes, detection: Json) -> None:
+    """Which sizes are found at which SNR, and from which size on nine of ten are.
+
+    Args:
+        ax: to draw on.
+        detection: ``rows`` and ``limits``.
+    """
+    for right, colour, label in ((True, RIGHT, "right"), (False, WRONG, "not right")):
+        rows = [row for row in detection["rows"] if row["right"] == right]
+        ax.plot([row["snr_db"] for row in rows], [row["ratio"] for row in rows], ".", color=colour, label=label)
+    for limit in detection["limits"]:
+        if limit["ratio"] is not None:
+            ax.plot(limit["snr_db"], [limit["ratio"]] * 2, color="black", linewidth=1.2)
+    ax.plot([], [], color="black", linewidth=1.2, label="from here on 90 % are right")
+    ax.set_yscale("log")
+    ax.yaxis.set_major_formatter(PLAIN)
+    ax.yaxis.set_minor_formatter(PLAIN)
+    ax.set(xlabel="SNR of the channels [dB]", ylabel="calibrated error / noise [-]")
+    ax.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
+def plot_seconds(ax: Axes, seconds: Json) -> None:
+    """What a diagnosis takes.
+
+    Args:
+        ax: to draw on.
+        seconds: ``rows``, ``median`` and ``threads``.
+    """
+    rows = np.array(seconds["rows"])
+    edges = np.geomspace(max(1.0, 0.9 * rows.min()), 1.1 * rows.max(), 21)
+    ax.hist(rows, edges.tolist(), color=RIGHT)
+    ax.axvline(seconds["median"], color="black", linewidth=1.0, label=f"median {seconds['median']:.3g} s")
+    ax.set_xscale("log")
+    threads = " or ".join(str(n) for n in seconds["threads"])
+    ax.set(xlabel=f"seconds of a diagnosis, {threads} thread(s)", ylabel="cases")
+    ax.legend(fontsize=8)

@@ -1,0 +1,63 @@
+"""What was set out to be reached, and what was."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+Json = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Bar:
+    """One figure beside its bounds.
+
+    Attributes:
+        name: in words.
+        value: reached; None where there are no cases to tell.
+        bar: that has to be reached.
+        aim: that is aimed at.
+        cases: behind the value.
+        least: whether the bar is a lower bound; else an upper one.
+        upper: the other bound where there are two.
+    """
+
+    name: str
+    value: float | None
+    bar: float
+    aim: float
+    cases: int
+    least: bool = True
+    upper: float | None = None
+
+    @property
+    def met(self) -> bool | None:
+        """None where there are no cases to tell."""
+        if self.value is None:
+            return None
+        within = self.upper is None or self.value <= self.upper
+        return within and (self.value >= self.bar if self.least else self.value <= self.bar)
+
+
+def bars_of(figures: Json) -> list[Json]:
+    """All bars as plain values.
+
+    Args:
+        figures: of ``summary.json``, by the names used here.
+    """
+    one, two = figures["one effect"], figures["two effects"]
+    nothing, outside = figures["nothing hidden"], figures["outside the library"]
+    held, numbers, seconds = figures["held_out"], figures["numbers"], figures["seconds"]
+    bars: Sequence[Bar] = (
+        Bar("right kind and place first, one effect", one["right_share"], 0.90, 0.97, one["cases"]),
+        Bar("right or in a stated group of at most three", one["in_group_share"], 0.96, 0.99, one["cases"]),
+        Bar('"complete" with nothing hidden', nothing["right_share"], 0.96, 0.99, nothing["cases"]),
+        Bar('"unexplained" outside the library', outside["right_share"], 0.85, 0.95, outside["cases"]),
+        Bar("both of two effects found", two["right_share"], 0.75, 0.90, two["cases"]),
+        Bar("error held out after, over the true noise, median", held["median"], 1.1, 1.03, held["cases"], least=False),
+        Bar("the same, 90th percentile", held["percentile_90"], 1.5, 1.2, held["cases"], least=False),
+        Bar("numbers inside their 95 % interval", numbers["inside_share"], 0.90, 0.95, numbers["count"], upper=0.98),
+        Bar("seconds of a diagnosis, median", seconds["median"], 60.0, 20.0, seconds["cases"], least=False),
+        Bar("cases", float(figures["cases"]), 200.0, 200.0, figures["cases"]),
+        Bar("of them with nothing hidden", float(nothing["cases"]), 50.0, 50.0, nothing["cases"]),
+    )
+    return [asdict(bar) | {"met": bar.met} for bar in bars]

@@ -1,0 +1,106 @@
+"""One case from its draw to its judgement, as its file holds it."""
+
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from threadpoolctl import threadpool_limits
+
+from identification.assess import assess
+from identification.diagnose import diagnose
+from models.effects import entry_of
+from models.rig import Beam
+from testbed.hidden_effects.cases import Case, draw_case
+from testbed.hidden_effects.judge import judged
+from testbed.hidden_effects.plan import Task
+from testbed.hidden_effects.trials import HELD, LEARNT
+from testbed.loop import diagnosis_json
+
+Json = dict[str, Any]
+
+
+def run_case(task: Task, threads: int = 1, draw: Callable[[Task], Case] = draw_case) -> Json:
+    """Draw a case, diagnose its records and judge the diagnosis; a crash is a result too, told under ``failure``.
+
+    Args:
+        task: the case.
+        threads: of the diagnosis.
+        draw: makes the case; tests give one that is quick.
+    """
+    about: Json = {"case": task.name, "set": task.case_set, "kind": task.kind, "number": task.number}
+    began = perf_counter()
+    try:
+        with threadpool_limits(1):
+            case = draw(task)
+            drawn = perf_counter() - began
+            about |= described(case)
+            about |= diagnosed(case, threads)
+    except Exception as failure:  # noqa: BLE001 - a crash is a result of the benchmark, told with its message
+        frames = traceback.extract_tb(failure.__traceback__)
+        where = [f"{Path(frame.filename).name}:{frame.lineno} {frame.name}" for frame in frames]
+        return about | {"failure": f"{type(failure).__name__}: {failure}", "where": where}
+    return about | {"seconds": {"draw": drawn, "diagnosis": about["diagnosis"]["seconds"], "threads": threads}}
+
+
+def described(case: Case) -> Json:
+    """What a case is, in plain values.
+
+    Args:
+        case: drawn.
+    """
+    return {
+        "engine": case.truth.engine,
+        "parts": case.truth.resolution.n_parts,
+        "steps_per_sample": case.truth.resolution.steps_per_sample,
+        "hidden": [entry_of(effect).model_dump(mode="json", exclude_none=True) for effect in case.truth.hidden],
+        "snr_db": case.snr_db,
+        "growth": case.growth,
+        "amplification": case.amplification,
+        "chaotic": case.chaotic,
+        "wanted": list(case.wanted),
+        "shown": list(case.shown),
+        "calibrated_on_model": case.calibrated,
+        "turned_down": case.turned_down,
+        "noise_nrmse": case.noise_nrmse,
+        "rig": case.rig.model_dump(mode="json", exclude_none=True),
+        "built": {parameter.path: parameter.value for parameter in case.truth.built.parameters()},
+        "records": {
+            record.name: {"fs": record.fs, "seconds": record.duration, "force_rms": float(record.excitation.std())}
+            for record in (*case.records, case.holdout)
+            if record.excitation is not None
+        },
+    }
+
+
+def diagnosed(case: Case, threads: int) -> Json:
+    """The diagnosis of a case, its judgement, and its errors over the true noise.
+
+    Args:
+        case: drawn.
+        threads: of the diagnosis.
+    """
+    found = diagnose(case.rig, case.records, (case.holdout,), seed=case.task.number, jobs=threads)
+    content: Json = diagnosis_json(found)
+    calibrated = next(stage for stage in reversed(found.stages) if stage.label == "calibrated")
+    held_out = assess(calibrated.hypothesis, (case.holdout,), jobs=threads, seed=case.task.number).nrmse
+    beam = case.rig.structure
+    assert isinstance(beam, Beam)
+    sleeves = {sleeve.name: sleeve.position for sleeve in case.rig.sleeves}
+    hidden = [entry_of(effect).model_dump(mode="json", exclude_none=True) for effect in case.truth.hidden]
+    noise = case.noise_nrmse[HELD]
+    learnt = sum(case.noise_nrmse[name] ** 2 for name in LEARNT) / len(LEARNT)
+    errors = content["holdout"]
+    return {
+        "judged": judged(content, case.task.kind, hidden, sleeves, beam.length),
+        "calibrated_ratio": calibrated.score.nrmse / learnt**0.5,
+        "held_out": {
+            "before": errors["as given"] / noise,
+            "calibrated": held_out / noise,
+            "after": errors["updated"] / noise,
+            "noise_nrmse": noise,
+            "noise_nrmse_as_estimated": errors["noise_nrmse"],
+        },
+        "diagnosis": content,
+    }

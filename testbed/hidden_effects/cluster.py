@@ -1,0 +1,56 @@
+"""Cases on a Dask cluster.
+
+What a lost worker was at is begun anew by another one, as often as the scheduler allows
+(``distributed.scheduler.allowed-failures``, 3 by default).
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from models.errors import InputError
+from testbed.hidden_effects.crew import Json, RunCase, Workers, lost
+from testbed.hidden_effects.plan import Task
+
+
+def on_cluster(address: str) -> Workers:
+    """Workers of a cluster whose machines have this project installed, in the same version.
+
+    Args:
+        address: of its scheduler, like ``tcp://10.0.0.5:8786``.
+
+    Raises:
+        InputError: nobody answers there, or ``distributed`` is not installed.
+    """
+    try:
+        from distributed import Client
+    except ModuleNotFoundError as missing:
+        raise InputError(
+            f"--scheduler {address}: the package {missing.name!r} is not installed",
+            "a cluster is spoken to through distributed",
+            'pip install "clearance-testbed[cluster]"',
+        ) from missing
+    try:
+        client: Any = Client(address, timeout=ANSWER)  # type: ignore[no-untyped-call]
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"--scheduler {address}: {error}",
+            "the address of a Dask scheduler that answers, like tcp://10.0.0.5:8786",
+            "start one with dask scheduler, and workers with dask worker ADDRESS --nthreads 1",
+        ) from error
+
+    def work(tasks: Sequence[Task], run: RunCase, threads: int) -> Iterator[tuple[Task, Json]]:
+        from distributed import as_completed
+
+        with client:
+            running = {client.submit(run, task, threads, pure=False): task for task in tasks}
+            for done in as_completed(list(running)):  # type: ignore[no-untyped-call]
+                failure = done.exception()
+                task = running[done]
+                yield task, done.result() if failure is None else lost(task, f"{type(failure).__name__}: {failure}")
+                done.release()
+
+    return work
+
+
+ANSWER = "10 s"
+"""In which a scheduler has to answer."""

@@ -1,0 +1,67 @@
+"""Cases on the cores of this machine, each in a process of its own: one that dies takes no other case with it."""
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
+from typing import Any
+
+from testbed.hidden_effects.plan import Task
+
+Json = dict[str, Any]
+RunCase = Callable[[Task, int], Json]
+"""A case and the threads of its diagnosis, to what its file holds."""
+
+Workers = Callable[[Sequence[Task], RunCase, int], Iterator[tuple[Task, Json]]]
+"""Tasks, how to run one, and threads of each, to the cases in the order in which they are done."""
+
+
+def on_this_machine(jobs: int) -> Workers:
+    """Workers on the cores of this machine.
+
+    Args:
+        jobs: cases at a time.
+    """
+
+    def work(tasks: Sequence[Task], run: RunCase, threads: int) -> Iterator[tuple[Task, Json]]:
+        with ThreadPoolExecutor(jobs, thread_name_prefix="case") as pool:
+            running = {pool.submit(_in_own_process, task, run, threads): task for task in tasks}
+            try:
+                for done in as_completed(running):
+                    yield running[done], done.result()
+            finally:
+                pool.shutdown(wait=False, cancel_futures=True)
+
+    return work
+
+
+def lost(task: Task, reason: str) -> Json:
+    """What is kept of a case that nobody finished.
+
+    Args:
+        task: the case.
+        reason: in words.
+    """
+    return {"case": task.name, "set": task.case_set, "kind": task.kind, "number": task.number, "failure": reason}
+
+
+def _in_own_process(task: Task, run: RunCase, threads: int) -> Json:
+    context = get_context("spawn")
+    here, there = context.Pipe(duplex=False)
+    process = context.Process(target=_send, args=(there, run, task, threads), daemon=True)
+    process.start()
+    there.close()
+    try:
+        result: Json = here.recv()
+    except EOFError:
+        process.join()
+        return lost(task, f"its process ended with status {process.exitcode}")
+    finally:
+        here.close()
+    process.join()
+    return result
+
+
+def _send(to: Connection, run: RunCase, task: Task, threads: int) -> None:
+    to.send(run(task, threads))
+    to.close()

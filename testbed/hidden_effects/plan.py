@@ -1,0 +1,74 @@
+"""Which cases there are, in which order: each beginning of the order has the whole mix."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from itertools import count, islice
+
+from models.effects import EFFECTS, Effect
+from models.errors import InputError
+
+NOTHING, TWO, OUTSIDE = "nothing", "two", "outside"
+"""Classes besides the kinds of the library: no effect, two of them, a law that the library does not hold."""
+
+ONE = "one"
+
+PATTERN = (
+    NOTHING, ONE, ONE, TWO, ONE, NOTHING, ONE, ONE, OUTSIDE, ONE,
+    NOTHING, ONE, ONE, NOTHING, TWO, ONE, ONE, NOTHING, ONE, OUTSIDE,
+)  # fmt: skip
+"""A quarter with nothing hidden, 55 % with one effect, a tenth each with two and with one outside the library."""
+
+
+KINDS: Mapping[str, type[Effect]] = {kind: cls for kind, cls in EFFECTS.items() if "beam" in cls.structures}
+"""Of the library, that a beam can have."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """One case by name.
+
+    Attributes:
+        case_set: key of ``SETS``.
+        kind: of the registry, or ``NOTHING``, ``TWO`` or ``OUTSIDE``.
+        number: from 0, within the kind.
+    """
+
+    case_set: str
+    kind: str
+    number: int
+
+    @property
+    def name(self) -> str:
+        """Of the case and its file."""
+        return f"{self.case_set}-{self.kind}-{self.number}"
+
+
+def planned(case_set: str, cases: int, only: Sequence[str] = ()) -> tuple[Task, ...]:
+    """The first cases of the order, those of the library's kinds in turn.
+
+    Args:
+        case_set: key of ``SETS``.
+        cases: how many.
+        only: classes or kinds to which the order is thinned; all where it is empty.
+
+    Raises:
+        InputError: a kind that is none.
+    """
+    known = (NOTHING, TWO, OUTSIDE, *KINDS)
+    for kind in only:
+        if kind not in known:
+            near = get_close_matches(kind, known, n=1, cutoff=0.0)[0]
+            raise InputError(f"--only {kind}", f"the classes and kinds are {', '.join(known)}", f"did you mean {near}?")
+    order = ((kind, number) for kind, number in _order() if not only or kind in only)
+    return tuple(Task(case_set, kind, number) for kind, number in islice(order, cases))
+
+
+def _order() -> Iterator[tuple[str, int]]:
+    kinds = tuple(KINDS)
+    drawn = dict.fromkeys((NOTHING, ONE, TWO, OUTSIDE), 0)
+    for place in count():
+        group = PATTERN[place % len(PATTERN)]
+        number = drawn[group]
+        drawn[group] += 1
+        yield (kinds[number % len(kinds)], number // len(kinds)) if group == ONE else (group, number)

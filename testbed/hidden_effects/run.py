@@ -1,0 +1,118 @@
+"""The benchmark over files: one file a case, written when it is done and kept, and the scores of all that are there."""
+
+import json
+import shlex
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+
+from identification.progress import Progress
+from models.errors import InputError
+from testbed.figures.hidden_effects import figures_of
+from testbed.figures.save import save
+from testbed.hidden_effects.case_run import run_case
+from testbed.hidden_effects.crew import Json, RunCase, Workers
+from testbed.hidden_effects.page import page_of
+from testbed.hidden_effects.plan import Task
+from testbed.hidden_effects.scores import in_a_line, summary_of
+from testbed.outputs import json_text, staged
+
+CASES, SUMMARY, PAGE, EXPLANATIONS = "cases", "summary.json", "README.md", "explanations.toml"
+
+
+def run_hidden_effects(
+    tasks: Sequence[Task],
+    out: Path,
+    workers: Workers,
+    *,
+    threads: int,
+    command: Sequence[str],
+    progress: Progress,
+    run: RunCase = run_case,
+) -> Json:
+    """Run the cases that are not there yet, then write the scores of all cases of the set in the folder.
+
+    Args:
+        tasks: cases of one set.
+        out: folder of the results; a person may explain cases in its ``explanations.toml``.
+        workers: who runs them.
+        threads: of each diagnosis.
+        command: as typed, for the page.
+        progress: told of each case.
+        run: what a case is run by; tests give a quick one.
+
+    Returns:
+        the content of ``summary.json``.
+
+    Raises:
+        InputError: a folder that cannot be written, or explanations that are not TOML.
+    """
+    explained = explanations(out)
+    todo = [task for task in tasks if not is_done(path_of(out, task))]
+    progress(f"{len(tasks) - len(todo)} of {len(tasks)} cases are there, {len(todo)} to do")
+    for done, (task, case) in enumerate(workers(todo, run, threads) if todo else (), start=1):
+        keep(path_of(out, task), case)
+        progress(f"{done}/{len(todo)} {in_a_line(case)}")
+    case_set = tasks[0].case_set
+    cases = [json.loads(file.read_text(encoding="utf-8")) for file in sorted((out / CASES).glob(f"{case_set}-*.json"))]
+    summary = summary_of(cases, case_set)
+    with staged(out) as stage:
+        (stage / SUMMARY).write_text(json_text(summary), encoding="utf-8")
+        (stage / PAGE).write_text(page_of(summary, explained, shlex.join(command)), encoding="utf-8")
+        for name, figure in figures_of(summary):
+            save(figure, stage / "figures", name)
+    return summary
+
+
+def path_of(out: Path, task: Task) -> Path:
+    """The file of a case.
+
+    Args:
+        out: folder of the results.
+        task: the case.
+    """
+    return out / CASES / f"{task.name}.json"
+
+
+def is_done(path: Path) -> bool:
+    """Whether a case is there; one that failed is tried again.
+
+    Args:
+        path: of its file.
+    """
+    return path.exists() and "failure" not in json.loads(path.read_text(encoding="utf-8"))
+
+
+def keep(path: Path, case: Json) -> None:
+    """Write a case whole or not at all.
+
+    Args:
+        path: of its file.
+        case: done or failed.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_suffix(".part")
+    part.write_text(json_text(case), encoding="utf-8")
+    part.replace(path)
+
+
+def explanations(out: Path) -> dict[str, str]:
+    """Why cases were missed, as a person wrote it: case name -> text; empty where nobody did.
+
+    Args:
+        out: folder of the results.
+
+    Raises:
+        InputError: the file is not TOML with a text for each case.
+    """
+    file = out / EXPLANATIONS
+    if not file.exists():
+        return {}
+    try:
+        content = tomllib.loads(file.read_text(encoding="utf-8"))
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise InputError(f"{file}: {error}", 'lines like reported-nothing-3 = "why"', "correct it there") from error
+    for name, text in content.items():
+        if not isinstance(text, str):
+            raise InputError(f"{file}: {name} = {text!r}", "an explanation is a text", 'write it in quotes: "why"')
+    return content

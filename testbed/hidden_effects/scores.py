@@ -1,0 +1,250 @@
+"""From the files of the cases to the figures: a pure function."""
+
+from collections import Counter, defaultdict
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from testbed.hidden_effects.bars import bars_of
+from testbed.hidden_effects.plan import NOTHING, OUTSIDE, TWO
+from testbed.hidden_effects.sets import FEW, MANY
+
+Json = dict[str, Any]
+
+CLASSES = {NOTHING: "nothing hidden", TWO: "two effects", OUTSIDE: "outside the library"}
+ONE = "one effect"
+
+PROBABILITY_EDGES = (0.0, 0.5, 0.8, 0.95, 0.99, 1.0)
+"""Of the bins in which what the diagnosis believes is held against how often it is right."""
+
+SNR_EDGES = (40.0, 42.5, 45.0)
+"""dB."""
+
+RELIABLY = 0.9
+"""Share of the cases from a size on that are right, where that size is called detected."""
+
+
+def summary_of(cases: Sequence[Json], case_set: str) -> Json:
+    """The content of ``summary.json``.
+
+    Args:
+        cases: of one set, done or failed, as their files hold them.
+        case_set: its name.
+    """
+    groups = {name: [c for c in cases if class_of(c) == name] for name in (*CLASSES.values(), ONE)}
+    done = [case for case in cases if "judged" in case]
+    hidden_one = groups[ONE]
+    figures: Json = {
+        "set": case_set,
+        "cases": len(cases),
+        "failed": [{"case": case["case"], "failure": case["failure"]} for case in cases if "judged" not in case],
+        **{name: row_of(group) for name, group in groups.items()},
+        f"one effect below {MANY:g} times the noise": row_of([c for c in hidden_one if _ratio(c) < MANY]),
+        f"one effect from {MANY:g} times the noise on": row_of([c for c in hidden_one if _ratio(c) >= MANY]),
+        "chaotic": row_of([case for case in cases if case.get("chaotic")]),
+        "engines": {name: row_of(group) for name, group in _by(cases, "engine").items()},
+        "kinds": {kind: row_of(group) for kind, group in _by(hidden_one, "kind").items()},
+        "laws outside": {kind: row_of(group) for kind, group in _by_law(groups[CLASSES[OUTSIDE]]).items()},
+        "confusion": confusion(done),
+        "false_alarms": sum(c["judged"]["verdict"] == "missing_effect" for c in groups[CLASSES[NOTHING]] if c in done),
+        "abstentions": sum(c["judged"]["verdict"] == "unexplained" for c in done if class_of(c) != CLASSES[OUTSIDE]),
+        "missed_silently": sum(c["judged"]["verdict"] == "complete" for c in done if c["hidden"]),
+        "place_errors": [c["judged"]["place_error"] for c in done if c["judged"]["place_error"] is not None],
+        "numbers": numbers(done),
+        "calibration": calibration([c for c in done if class_of(c) == ONE]),
+        "held_out": held_out([c for c in done if class_of(c) != CLASSES[OUTSIDE]]),
+        "detection": detection([c for c in done if class_of(c) == ONE]),
+        "seconds": seconds(done),
+        "misses": [_miss(case) for case in cases if "judged" not in case or not case["judged"]["right"]],
+    }
+    bars = bars_of(figures)
+    return figures | {"bars": bars, "missed": [bar["name"] for bar in bars if bar["met"] is False]}
+
+
+def class_of(case: Json) -> str:
+    """Of which class a case is, in words."""
+    return CLASSES.get(case["kind"], ONE)
+
+
+def row_of(cases: Sequence[Json]) -> Json:
+    """Counts of a group; a case that failed is not right.
+
+    Args:
+        cases: of the group.
+    """
+    done = [case for case in cases if "judged" in case]
+    after = [case["held_out"]["after"] for case in done]
+    right, grouped, kind = (sum(c["judged"][key] for c in done) for key in ("right", "in_group", "kind_right"))
+    return {
+        "cases": len(cases),
+        "failed": len(cases) - len(done),
+        "right": right,
+        "in_group": grouped,
+        "kind_right": kind,
+        "right_share": right / len(cases) if cases else None,
+        "in_group_share": grouped / len(cases) if cases else None,
+        "after_median": float(np.median(after)) if after else None,
+        "seconds_median": float(np.median([case["seconds"]["diagnosis"] for case in done])) if done else None,
+    }
+
+
+def confusion(cases: Sequence[Json]) -> Json:
+    """How often each kind was taken for which: true kind -> named kind or verdict -> count, of one effect or none.
+
+    Args:
+        cases: done; those of two effects are left out.
+    """
+    table: dict[str, Counter[str]] = defaultdict(Counter)
+    for case in cases:
+        if case["kind"] != TWO:
+            table[case["kind"]][case["judged"]["named"]] += 1
+    return {kind: dict(counts) for kind, counts in sorted(table.items())}
+
+
+def numbers(cases: Sequence[Json]) -> Json:
+    """How well the numbers of the effects rightly found are known: over all, and by kind and by engine.
+
+    Args:
+        cases: done.
+    """
+    rows = [row | {"engine": case["engine"]} for case in cases for row in case["judged"]["numbers"]]
+
+    def share(some: Sequence[Json]) -> Json:
+        pulls = [abs(row["value"] - row["true"]) / row["std"] for row in some]
+        relative = [abs(row["value"] / row["true"] - 1.0) for row in some if row["true"]]
+        return {
+            "count": len(some),
+            "inside_share": sum(row["inside"] for row in some) / len(some) if some else None,
+            "pull_median": float(np.median(pulls)) if pulls else None,
+            "error_median": float(np.median(relative)) if relative else None,
+        }
+
+    by_kind = {kind: share(group) for kind, group in _by(rows, "kind").items()}
+    by_engine = {engine: share(group) for engine, group in _by(rows, "engine").items()}
+    return share(rows) | {"kinds": by_kind, "engines": by_engine}
+
+
+def calibration(cases: Sequence[Json]) -> list[Json]:
+    """How often the first effect is right where the diagnosis believes in it so much.
+
+    Args:
+        cases: of one effect, done.
+    """
+    named = [c["judged"] for c in cases if c["judged"]["probability"] is not None]
+    rows = []
+    for low, high in pairwise(PROBABILITY_EDGES):
+        inside = [j for j in named if low <= j["probability"] < high or (high == 1.0 == j["probability"])]
+        if inside:
+            believed = float(np.mean([j["probability"] for j in inside]))
+            rows.append({"believed": believed, "right": sum(j["right"] for j in inside), "cases": len(inside)})
+    return rows
+
+
+def held_out(cases: Sequence[Json]) -> Json:
+    """Errors on the records held out over the true noise: of all cases, and what was reached in the end.
+
+    Args:
+        cases: done, whose truth the library holds.
+    """
+    after = [case["held_out"]["after"] for case in cases]
+    return {
+        "cases": len(cases),
+        "median": float(np.median(after)) if after else None,
+        "percentile_90": float(np.percentile(after, 90)) if after else None,
+        "rows": [
+            {"case": case["case"], "class": class_of(case), "right": case["judged"]["right"], **case["held_out"]}
+            for case in cases
+        ],
+    }
+
+
+def detection(cases: Sequence[Json]) -> Json:
+    """From which size on effects are found, for two ranges of SNR.
+
+    Args:
+        cases: of one effect, done.
+    """
+    rows = [
+        {"snr_db": c["snr_db"], "ratio": _ratio(c), "right": c["judged"]["right"], "case": c["case"]} for c in cases
+    ]
+    limits = []
+    for low, high in pairwise(SNR_EDGES):
+        inside = sorted((r for r in rows if low <= r["snr_db"] <= high), key=lambda row: row["ratio"])
+        limits.append({"snr_db": [low, high], "cases": len(inside), "ratio": _limit(inside)})
+    return {"rows": rows, "limits": limits}
+
+
+def _limit(rows: Sequence[Json]) -> float | None:
+    """Least size from which on enough of the cases are right; None where no size is."""
+    for first in range(len(rows)):
+        beyond = rows[first:]
+        if sum(row["right"] for row in beyond) >= RELIABLY * len(beyond):
+            return float(beyond[0]["ratio"])
+    return None
+
+
+def seconds(cases: Sequence[Json]) -> Json:
+    """What a case takes.
+
+    Args:
+        cases: done.
+    """
+    rows = [case["seconds"] for case in cases]
+
+    def median(key: str) -> float | None:
+        return float(np.median([row[key] for row in rows])) if rows else None
+
+    return {
+        "cases": len(rows),
+        "median": median("diagnosis"),
+        "draw_median": median("draw"),
+        "threads": sorted({row["threads"] for row in rows}),
+        "rows": [row["diagnosis"] for row in rows],
+    }
+
+
+def in_a_line(case: Json) -> str:
+    """A case as the progress tells it.
+
+    Args:
+        case: as its file holds it.
+    """
+    if "judged" not in case:
+        return f"{case['case']}: {case['failure']}"
+    result = case["judged"]
+    mark = "right" if result["right"] else f"WRONG, {result['named']}"
+    return f"{case['case']} ({case['engine']}): {mark}, {case['seconds']['diagnosis']:.0f} s"
+
+
+def _ratio(case: Json) -> float:
+    """Calibrated error over noise, as diagnosed, or as drawn where the diagnosis failed."""
+    return float(case.get("calibrated_ratio") or case.get("calibrated_on_model") or FEW)
+
+
+def _by(rows: Sequence[Json], key: str) -> dict[str, list[Json]]:
+    groups: dict[str, list[Json]] = defaultdict(list)
+    for row in rows:
+        if key in row:
+            groups[row[key]].append(row)
+    return dict(sorted(groups.items()))
+
+
+def _by_law(cases: Sequence[Json]) -> dict[str, list[Json]]:
+    return _by([case | {"law": case["hidden"][0]["kind"]} for case in cases if case.get("hidden")], "law")
+
+
+def _miss(case: Json) -> Json:
+    about = {key: case.get(key) for key in ("case", "kind", "engine", "hidden", "chaotic", "snr_db")}
+    if "judged" not in case:
+        return about | {"failure": case["failure"]}
+    result = case["judged"]
+    effects = [{key: e[key] for key in e if key != "parameters"} for e in case["diagnosis"]["effects"]]
+    return about | {
+        "ratio": _ratio(case),
+        "verdict": result["verdict"],
+        "in_group": result["in_group"],
+        "found": effects,
+        "after": case["held_out"]["after"],
+    }

@@ -1,0 +1,178 @@
+"""Rigs, forces and laws as they are drawn; the modal model alone, so that it stays quick."""
+
+import numpy as np
+import pytest
+
+from models.effects import EFFECTS, Place
+from models.plant import build_plant
+from testbed.hidden_effects.engines import engine_for
+from testbed.hidden_effects.forces import draw_blow, draw_multisine, schroeder_multisine
+from testbed.hidden_effects.hiding import draw_wanted, hide
+from testbed.hidden_effects.imitation import Imitation
+from testbed.hidden_effects.motion import blank_record, channels_of
+from testbed.hidden_effects.outside import OUTSIDE_LAWS
+from testbed.hidden_effects.places import draw_place, is_apart, scene_at
+from testbed.hidden_effects.plan import Task
+from testbed.hidden_effects.rigs import draw_rig
+from testbed.hidden_effects.sets import REPORTED, SETS, TUNING
+from testbed.hidden_effects.sizes import sized
+from testbed.hidden_effects.trials import HELD, LEARNT, draw_trial
+from testbed.hidden_effects.truth import ENGINES, FINE, MODEL, Truth, measure
+from testbed.virtual.noise import Noise
+
+
+@pytest.fixture(scope="module")
+def trial():
+    return draw_trial(TUNING, chaotic=False, rng=np.random.default_rng(3))
+
+
+@pytest.fixture(scope="module")
+def built(trial):
+    return trial.built
+
+
+@pytest.mark.parametrize("case_set", SETS.values(), ids=SETS)
+def test_the_same_seed_draws_the_same_rig_and_another_seed_another(case_set):
+    first, again, other = (draw_rig(case_set, np.random.default_rng(seed)) for seed in (1, 1, 2))
+    assert first == again
+    assert first != other
+    assert len(first.sensors) == 8
+
+
+def test_a_trial_has_two_levels_a_blow_and_a_level_between(trial):
+    rms = {name: float(np.sqrt(np.mean(force**2))) for name, force in trial.forces.items()}
+    assert list(trial.forces) == [*LEARNT, HELD]
+    assert rms["low"] < rms[HELD] < rms["high"]
+    assert sum(len(trial.forces[name]) for name in LEARNT) == 40.0 * trial.fs
+    assert not trial.chaotic
+
+
+def test_schroeders_multisine_has_its_lines_and_a_low_crest():
+    wave = schroeder_multisine(1024.0, 4096, 5.0, 200.0, "odd", np.random.default_rng(0))
+    lines = np.abs(np.fft.rfft(wave))
+    freq = np.arange(len(lines)) * 0.25
+    excited = (freq >= 5.0) & (freq <= 200.0) & (np.arange(len(lines)) % 2 == 1)
+    assert np.ptp(lines[excited]) < 1e-9 * lines.max()
+    assert lines[~excited].max() < 1e-9 * lines.max()
+    assert np.sqrt(np.mean(wave**2)) == pytest.approx(1.0)
+    random = draw_multisine(TUNING.learnt, 1024.0, 200.0, np.random.default_rng(0))
+    assert np.abs(wave).max() < 2.0 < np.abs(random).max()  # Schroeder's is about 1.7, random phases give 3 and more
+
+
+def test_a_blow_is_short_has_the_peak_asked_for_and_leaves_a_decay():
+    blow = draw_blow(2048.0, 4e-3)
+    assert len(blow) == 8 * 2048
+    assert blow.max() == pytest.approx(1.0, abs=0.05)  # the recorder's band rounds it
+    assert np.abs(blow[int(0.2 * 2048) :]).max() < 1e-6
+
+
+def test_no_law_outside_is_in_the_library_and_there_are_enough_of_them():
+    assert len(OUTSIDE_LAWS) >= 5
+    kinds = {law.kind for law in OUTSIDE_LAWS}
+    assert len(kinds) == len(OUTSIDE_LAWS)
+    assert not kinds & set(EFFECTS)
+    assert not set(OUTSIDE_LAWS) & set(EFFECTS.values())
+
+
+@pytest.mark.parametrize("law", OUTSIDE_LAWS, ids=[law.kind for law in OUTSIDE_LAWS])
+def test_a_law_outside_grows_with_its_size_and_keeps_the_motion_finite(law, trial, built):
+    place = Place(position=0.7 * built.structure.length)
+    (effect, *_) = law.trials(scene_at(place, trial))
+    force = trial.forces["high"][: int(trial.fs)]
+    plain = channels_of(built, force, trial.fs)
+    changes = [
+        np.linalg.norm(channels_of(built, force, trial.fs, (effect.scaled(factor),)) - plain) for factor in (1e-3, 1e-2)
+    ]
+    assert 0.0 < changes[0] < changes[1] < np.inf
+    assert changes[1] == pytest.approx(10.0 * changes[0], rel=0.5)  # small changes are in proportion, impacts nearly
+
+
+def test_nothing_shows_as_the_noise_and_an_effect_as_much_as_asked(trial, built):
+    rng = np.random.default_rng(5)
+    imitation = Imitation(trial, 0.007, rng)
+    assert imitation.shown((), rounds=1) == pytest.approx(1.0)
+    place = Place(position=0.8 * built.structure.length)
+    start = next(iter(EFFECTS["point_mass"].trials(scene_at(place, trial))))
+    found = sized(start, imitation, 8.0, rng)
+    assert found is not None
+    assert found[1] == pytest.approx(8.0, rel=0.25)
+    assert imitation.shown((found[0],), rounds=0) >= found[1]  # numbers moved within tolerance imitate some of it
+
+
+def test_two_effects_are_of_two_kinds_at_two_places(trial, built):
+    task = Task("tuning", "two", 0)
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        hidden = hide(task, trial, 0.007, draw_wanted(task, rng), rng)
+        if hidden is not None:
+            one, other = hidden.effects
+            assert one.kind != other.kind
+            assert is_apart(one.place, other.place, built.structure.length)
+            return
+    pytest.fail("no pair was found on this rig")
+
+
+def test_a_third_of_the_sizes_is_small():
+    rng = np.random.default_rng(0)
+    wanted = np.array([draw_wanted(Task("tuning", "point_mass", 0), rng)[0] for _ in range(3000)])
+    assert np.mean(wanted < 5.0) == pytest.approx(1.0 / 3.0, abs=0.035)  # four standard deviations
+    assert wanted.min() >= 2.0
+    assert wanted.max() <= 30.0
+    assert draw_wanted(Task("tuning", "nothing", 0), rng) == ()
+
+
+def test_a_place_is_of_the_kind_that_the_effect_takes(trial):
+    rng = np.random.default_rng(0)
+    for kind in EFFECTS.values():
+        place = draw_place(kind, trial.rig, rng)
+        has = [key for key in ("sleeve", "position", "sensor") if getattr(place, key) is not None]
+        assert has == [] if not kind.places else has[0] in kind.places
+
+
+def test_the_true_noise_is_what_a_perfect_model_leaves(trial, built):
+    truth = Truth(built, (), MODEL, Noise(0.007, 1e-9, share_of="channel"))
+    force = trial.forces["high"][: int(4 * trial.fs)]
+    record, noise = measure(truth, "high", force, trial.fs, np.random.default_rng(1))
+    assert noise == pytest.approx(0.007 * np.sqrt(2 * 0.35), rel=0.02)  # white noise below 0.35 fs
+    louder = Truth(built, (), MODEL, Noise(0.007, 0.007, share_of="channel"))
+    assert measure(louder, "high", force, trial.fs, np.random.default_rng(1))[1] > noise
+    assert record.responses.shape == (8, len(force))
+
+
+def test_a_change_of_the_measurement_is_applied_once(trial, built):
+    gain = EFFECTS["sensor_gain"](Place(sensor="P3"), gain=1.5)
+    force, none = trial.forces["low"][: int(trial.fs)], Noise(0.0, 0.0)
+    for engine in (MODEL, FINE):
+        plain, with_gain = (
+            measure(Truth(built, hidden, engine, none), "low", force, trial.fs, np.random.default_rng(0))[0].responses
+            for hidden in ((), (gain,))
+        )
+        np.testing.assert_allclose(with_gain[2], 1.5 * plain[2], rtol=1e-9, atol=1e-12)
+        np.testing.assert_array_equal(with_gain[3], plain[3])
+
+
+def test_what_an_engine_cannot_carry_is_moved_by_another_and_the_turns_go_round(trial, built, monkeypatch):
+    seen = []
+
+    class Refusing:
+        def cannot_carry(self, plant, resolution):
+            seen.append(len(plant.effects))
+            return ("anything",)
+
+    monkeypatch.setattr("testbed.hidden_effects.engines.simulator", lambda name: Refusing())
+    truth = Truth(built, (EFFECTS["force_gain"](Place(), gain=2.0),), MODEL, Noise(0.007, 0.007))
+    engines = [engine_for(Task("tuning", "nothing", n), trial, truth, np.random.default_rng(0))[0] for n in range(3)]
+    assert engines == [FINE] * 3
+    assert set(seen) == {1}
+    assert len(seen) == len(ENGINES)  # of three turns one begins with the elements, one passes one engine, one both
+
+
+def test_a_blank_record_has_the_rigs_channels(built):
+    record = blank_record(built, np.zeros(16), 1024.0)
+    assert record.responses.shape == (8, 16)
+    assert build_plant(built).sensors[0].name == record.sensors[0]
+
+
+def test_the_sets_have_other_forces():
+    assert REPORTED.learnt.phases == "schroeder"
+    assert TUNING.learnt.phases == "random"

@@ -1,0 +1,60 @@
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from models.errors import InputError
+from testbed.hidden_effects.plan import KINDS, planned
+from testbed.hidden_effects.sets import REPORTED, SETS, TUNING, Span
+
+
+def test_each_beginning_has_the_mix():
+    for cases in (20, 200):
+        counts = Counter("one" if task.kind in KINDS else task.kind for task in planned("tuning", cases))
+        assert counts == {"nothing": cases // 4, "one": 11 * cases // 20, "two": cases // 10, "outside": cases // 10}
+
+
+def test_more_cases_begin_with_the_fewer_and_no_case_comes_twice():
+    many = planned("reported", 200)
+    assert many[:60] == planned("reported", 60)
+    assert len(set(many)) == 200
+
+
+def test_the_kinds_take_turns():
+    ones = Counter(task.kind for task in planned("reported", 400) if task.kind in KINDS)
+    assert set(ones) == set(KINDS)
+    assert max(ones.values()) - min(ones.values()) <= 1
+
+
+def test_only_thins_the_order():
+    tasks = planned("tuning", 5, ["point_mass", "nothing"])
+    assert {task.kind for task in tasks} <= {"point_mass", "nothing"}
+    assert [task.number for task in planned("tuning", 3, ["point_mass"])] == [0, 1, 2]
+    assert set(planned("tuning", 3, ["nothing"])) <= set(planned("tuning", 20))
+
+
+def test_an_unknown_kind_is_refused():
+    with pytest.raises(
+        InputError, match=r"--only squeze_film; .*nothing, two, outside, .*; did you mean squeeze_film\?"
+    ):
+        planned("tuning", 3, ["squeze_film"])
+
+
+def test_tuning_and_reported_cases_have_other_seeds_and_other_generators():
+    assert list(SETS) == ["tuning", "reported"]
+    assert TUNING.seed != REPORTED.seed
+    assert TUNING.shape != REPORTED.shape
+    assert TUNING.learnt != REPORTED.learnt
+    assert TUNING.held != REPORTED.held
+    assert TUNING.length != REPORTED.length
+    assert TUNING.clearance != REPORTED.clearance
+
+
+def test_a_span_is_even_over_the_logarithm_or_crowds_at_its_ends():
+    rng = np.random.default_rng(0)
+    draws = np.array([Span(1.0, 100.0, log=True).draw(rng) for _ in range(4000)])
+    assert draws.min() >= 1.0
+    assert draws.max() <= 100.0
+    assert np.mean(draws < 10.0) == pytest.approx(0.5, abs=0.03)  # four standard deviations of 4000 draws
+    ends = np.array([Span(0.0, 1.0).draw(rng, 0.5) for _ in range(4000)])
+    assert np.mean(np.abs(ends - 0.5) > 0.4) == pytest.approx(0.41, abs=0.03)  # arcsine law: 2 (2/pi) asin(sqrt(0.1))

@@ -1,0 +1,115 @@
+"""The command over files: what is there is kept, what failed is tried again, and the exit status tells."""
+
+import json
+
+import pytest
+from made_up_cases import failed, made_up
+
+from models.errors import InputError
+from testbed.cli.app import main
+from testbed.hidden_effects.plan import planned
+from testbed.hidden_effects.run import keep, run_hidden_effects
+
+TASKS = planned("reported", 6, ["nothing", "point_mass"])
+
+
+def quick(task, threads):
+    return made_up(task.kind, task.number, right=task.number != 1)
+
+
+def one_after_the_other(tasks, run, threads):
+    return ((task, run(task, threads)) for task in tasks)
+
+
+def run(out, workers=one_after_the_other, run_case=quick, tasks=TASKS):
+    told = []
+    command = ["testbed", "benchmark", "hidden-effects"]
+    summary = run_hidden_effects(tasks, out, workers, threads=1, command=command, progress=told.append, run=run_case)
+    return summary, told
+
+
+def test_every_case_has_its_file_and_the_page_its_figures(tmp_path):
+    summary, told = run(tmp_path)
+    assert {file.stem for file in (tmp_path / "cases").iterdir()} == {task.name for task in TASKS}
+    assert summary["cases"] == len(TASKS)
+    assert told[0] == "0 of 6 cases are there, 6 to do"
+    assert told[1].startswith(f"1/6 {TASKS[0].name} (fine): right")
+    page = (tmp_path / "README.md").read_text()
+    for name in ("confusion", "held_out", "seconds"):
+        assert f"figures/{name}.png" in page
+        assert (tmp_path / "figures" / f"{name}.png").exists()
+    assert "`reported-nothing-1`" in page
+    assert json.loads((tmp_path / "summary.json").read_text())["missed"]
+
+
+def test_a_run_that_was_killed_goes_on_without_losing_a_finished_case(tmp_path):
+    class KilledError(BaseException):
+        pass
+
+    def dying(tasks, run, threads):
+        yield from ((task, run(task, threads)) for task in tasks[:4])
+        raise KilledError
+
+    with pytest.raises(KilledError):
+        run(tmp_path, dying)
+    assert len(list((tmp_path / "cases").iterdir())) == 4
+    again = []
+
+    def counting(task, threads):
+        again.append(task)
+        return quick(task, threads)
+
+    summary, told = run(tmp_path, run_case=counting)
+    assert again == list(TASKS[4:])
+    assert told[0] == "4 of 6 cases are there, 2 to do"
+    assert summary["cases"] == 6
+
+
+def test_a_case_that_failed_is_kept_and_tried_again(tmp_path):
+    summary, _ = run(tmp_path, run_case=lambda task, threads: failed(task.kind, task.number))
+    assert len(summary["failed"]) == 6
+    summary, told = run(tmp_path)
+    assert told[0] == "0 of 6 cases are there, 6 to do"
+    assert summary["failed"] == []
+
+
+def test_an_explanation_stands_beside_its_case(tmp_path):
+    run(tmp_path)
+    assert "Not explained yet." in (tmp_path / "README.md").read_text()
+    (tmp_path / "explanations.toml").write_text('reported-nothing-1 = "The seed was unlucky."\n')
+    run(tmp_path)
+    page = (tmp_path / "README.md").read_text()
+    line = next(line for line in page.splitlines() if line.startswith("- `reported-nothing-1`"))
+    assert line.endswith("*The seed was unlucky.*")
+    assert (tmp_path / "explanations.toml").exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("reported-nothing-1 = ", "explanations.toml: .*; lines like"),
+        ("a = 3", "a = 3; an explanation is a text; write"),
+    ],
+)
+def test_explanations_that_are_none_are_refused(tmp_path, text, message):
+    (tmp_path / "explanations.toml").write_text(text)
+    with pytest.raises(InputError, match=message):
+        run(tmp_path)
+
+
+def test_the_command_prints_the_bars_and_its_status_tells_whether_all_were_met(tmp_path, monkeypatch, capsys):
+    words = ["benchmark", "hidden-effects", "--out", str(tmp_path), "--cases", "200"]
+    monkeypatch.setattr("testbed.hidden_effects.crew.on_this_machine", lambda jobs: one_after_the_other)
+    for n, task in enumerate(planned("reported", 200)):
+        keep(tmp_path / "cases" / f"{task.name}.json", made_up(task.kind, task.number, inside=n % 20 != 1))
+    assert main(words) == 0
+    assert "both of two effects found" in capsys.readouterr().out
+    for number in range(6):
+        keep(tmp_path / "cases" / f"reported-two-{number}.json", made_up("two", number, right=False))
+    assert main([*words, "--json"]) == 1
+    assert "both of two effects found" in json.loads(capsys.readouterr().out)["missed"]
+
+
+def test_the_command_refuses_an_unknown_kind(capsys, tmp_path):
+    assert main(["benchmark", "hidden-effects", "--only", "wer", "--out", str(tmp_path)]) == 2
+    assert "did you mean" in capsys.readouterr().err

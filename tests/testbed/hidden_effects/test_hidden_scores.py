@@ -1,0 +1,98 @@
+import pytest
+from made_up_cases import every_bar_met, failed, made_up
+
+from testbed.hidden_effects.scores import in_a_line, summary_of
+
+
+def bar(summary, name):
+    return next(row for row in summary["bars"] if row["name"].startswith(name))
+
+
+def test_where_every_bar_is_met_none_is_missed():
+    summary = summary_of(every_bar_met(), "reported")
+    assert summary["missed"] == []
+    assert summary["cases"] == 200
+    assert summary["one effect"]["right_share"] == 1.0
+    assert summary["numbers"]["inside_share"] == pytest.approx(104 / 110)
+    assert summary["false_alarms"] == summary["abstentions"] == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "worse"),
+    [
+        ("right kind and place", lambda c: made_up("point_mass", c["number"], right=c["number"] >= 12)),
+        ('"complete"', lambda c: made_up("nothing", c["number"], right=c["number"] >= 3)),
+        ('"unexplained"', lambda c: made_up("outside", c["number"], right=c["number"] >= 4)),
+        ("both of two", lambda c: made_up("two", c["number"], right=c["number"] >= 6)),
+        ("error held out", lambda c: made_up(c["kind"], c["number"], after=1.11)),
+        ("the same, 90th", lambda c: made_up(c["kind"], c["number"], after=1.0 if c["number"] % 5 else 1.6)),
+        ("numbers inside", lambda c: made_up(c["kind"], c["number"], inside=True)),
+        ("numbers inside", lambda c: made_up(c["kind"], c["number"], inside=c["number"] % 8 != 0)),
+        ("seconds", lambda c: c | {"seconds": {"draw": 1.0, "diagnosis": 61.0, "threads": 2}}),
+        ("cases", lambda c: c if c["case"] != "reported-two-0" else None),
+        ("of them with nothing", lambda c: c if c["case"] != "reported-nothing-0" else None),
+    ],
+)
+def test_each_bar_can_be_missed(name, worse):
+    kinds = {
+        '"complete"': "nothing",
+        '"unexplained"': "outside",
+        "both of two": "two",
+        "right kind and place": "point_mass",
+    }
+    cases = [worse(c) if kinds.get(name, c["kind"]) == c["kind"] else c for c in every_bar_met()]
+    summary = summary_of([case for case in cases if case is not None], "reported")
+    assert any(missed.startswith(name) for missed in summary["missed"]), summary["missed"]
+    assert bar(summary, name)["met"] is False
+
+
+def test_what_the_library_does_not_hold_does_not_count_among_the_errors_held_out():
+    cases = [made_up("point_mass", 0, after=1.02), made_up("outside", 0, after=20.0)]
+    assert bar(summary_of(cases, "reported"), "error held out")["value"] == pytest.approx(1.02)
+
+
+def test_a_case_that_failed_is_not_right_and_stands_among_the_missed():
+    summary = summary_of([made_up("point_mass", 0), failed("point_mass", 1)], "reported")
+    assert summary["one effect"]["right_share"] == 0.5
+    assert summary["one effect"]["failed"] == 1
+    assert [miss["case"] for miss in summary["misses"]] == ["reported-point_mass-1"]
+
+
+def test_false_alarms_abstentions_and_silent_misses_are_told_apart():
+    cases = [
+        made_up("nothing", 0, right=False, named="wear"),
+        made_up("point_mass", 0, right=False),
+        made_up("outside", 0),
+    ]
+    silent = made_up("point_mass", 1, right=False)
+    silent["judged"]["verdict"] = silent["judged"]["named"] = "complete"
+    summary = summary_of([*cases, silent], "reported")
+    assert (summary["false_alarms"], summary["abstentions"], summary["missed_silently"]) == (1, 1, 1)
+    assert summary["confusion"] == {
+        "nothing": {"wear": 1},
+        "outside": {"unexplained": 1},
+        "point_mass": {"unexplained": 1, "complete": 1},
+    }
+
+
+def test_belief_is_held_against_how_often_it_is_right():
+    cases = [made_up("point_mass", n, right=n > 0) for n in range(5)]
+    rows = summary_of(cases, "reported")["calibration"]
+    assert [(row["believed"], row["right"], row["cases"]) for row in rows] == [(0.6, 0, 1), (pytest.approx(0.97), 4, 4)]
+
+
+def test_the_detection_limit_is_the_size_from_which_on_nine_of_ten_are_right():
+    cases = [made_up("point_mass", 6 * n, right=n >= 4, ratio=2.0 + n) for n in range(20)]  # all at 40 dB
+    low, high = summary_of(cases, "reported")["detection"]["limits"]
+    assert low["ratio"] == 5.0  # of the 17 from the fourth on one is missed
+    assert high["ratio"] is None
+
+
+def test_without_a_case_no_bar_is_missed_but_those_that_count_cases():
+    assert summary_of([], "tuning")["missed"] == ["cases", "of them with nothing hidden"]
+
+
+def test_progress_says_case_engine_result_and_seconds():
+    assert in_a_line(made_up("point_mass", 3, engine="mujoco")) == "reported-point_mass-3 (mujoco): right, 28 s"
+    assert in_a_line(made_up("nothing", 1, right=False, named="wear")) == "reported-nothing-1 (fine): WRONG, wear, 26 s"
+    assert in_a_line(failed("two", 1)) == "reported-two-1: ValueError: nobody knows"

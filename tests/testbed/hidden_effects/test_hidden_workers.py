@@ -1,0 +1,71 @@
+"""Who runs the cases: processes that may die, and a cluster whose workers may."""
+
+import os
+import signal
+import time
+
+import pytest
+from distributed import LocalCluster
+from quick_cases import deadly_once, no_case, real_and_small, slow
+
+from models.errors import InputError
+from testbed.hidden_effects.case_run import run_case
+from testbed.hidden_effects.cluster import on_cluster
+from testbed.hidden_effects.crew import on_this_machine
+from testbed.hidden_effects.plan import Task
+
+TASKS = [Task("tuning", "nothing", number) for number in range(3)]
+
+
+def test_a_process_that_dies_loses_its_own_case_only():
+    done = dict(on_this_machine(2)(TASKS, deadly_once, 3))
+    assert "its process ended with status 7" in done[TASKS[1]]["failure"]
+    assert done[TASKS[0]]["threads"] == done[TASKS[2]]["threads"] == 3
+    assert done[TASKS[0]]["pid"] != done[TASKS[2]]["pid"] != os.getpid()
+
+
+def test_a_case_that_fails_is_told_with_where_it_did():
+    case = run_case(TASKS[0], draw=no_case)
+    assert case["failure"] == "ArithmeticError: tuning-nothing-0 cannot be drawn"
+    assert case["where"][-1].startswith("quick_cases.py:")
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    with LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, worker_dashboard_address=None
+    ) as cluster:
+        yield cluster
+
+
+def pids(cluster):
+    return {worker.pid for worker in cluster.workers.values() if worker.pid}
+
+
+def test_real_cases_on_a_cluster_of_two_workers(cluster):
+    done = dict(on_cluster(cluster.scheduler_address)(TASKS[:2], real_and_small, 1))
+    assert set(done) == set(TASKS[:2])
+    for case in done.values():
+        assert case["judged"]["right"], case
+        assert case["held_out"]["after"] == pytest.approx(1.0, abs=0.15)  # 512 samples tell a perfect model no better
+
+
+def test_what_a_killed_worker_was_at_is_done_by_another(cluster):
+    tasks = [Task("tuning", "nothing", number) for number in range(6)]
+    work = on_cluster(cluster.scheduler_address)(tasks, slow, 1)
+    (first, case) = next(work)
+    before = pids(cluster)
+    victim = next(pid for pid in before if pid != case["pid"])
+    os.kill(victim, signal.SIGKILL)
+    done = {first: case, **dict(work)}
+    assert set(done) == set(tasks)
+    assert not [case for case in done.values() if "failure" in case]
+    while len(pids(cluster)) < len(before):
+        time.sleep(0.1)
+    assert victim not in pids(cluster)
+
+
+def test_a_scheduler_that_does_not_answer_is_refused(monkeypatch):
+    monkeypatch.setattr("testbed.hidden_effects.cluster.ANSWER", "1 s")
+    with pytest.raises(InputError, match=r"--scheduler tcp://127.0.0.1:9: .*; .*that answers.*; start one with"):
+        on_cluster("tcp://127.0.0.1:9")
