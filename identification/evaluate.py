@@ -5,7 +5,7 @@ The threads share the records; the time stepper and the transforms run outside P
 
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from typing import Protocol, TypeVar
 
@@ -63,6 +63,8 @@ class TimeTarget:
         measured: (n, lines) spectrum below 0.35 fs.
         density: (n, lines) noise density per line, sensors' and carried by the model from the excitation, SI^2.
         driven: what is simulated: the record, and a little of what came after it where the test went on.
+        carried: (n_realisations, n, N) what noise of the excitation did to the channels; a part of a record has its own
+            density, since noise may grow through a record. Empty where none was carried.
     """
 
     record: Record
@@ -70,6 +72,7 @@ class TimeTarget:
     measured: ComplexArray
     density: FloatArray
     driven: Record
+    carried: FloatArray = field(default_factory=lambda: np.empty((0, 0, 0)), repr=False)
 
     @classmethod
     def of(cls, record: Record, noise: Noise) -> "TimeTarget":
@@ -80,7 +83,12 @@ class TimeTarget:
         """With another noise of the sensors, and none carried from the excitation."""
         sensors = np.maximum(noise.sensors, LEAST_NOISE * self.record.responses.std(axis=1))
         density = np.repeat(sensors[:, None] ** 2, self.measured.shape[1], axis=1)
-        return replace(self, noise=noise, density=density)
+        return replace(self, noise=noise, density=density, carried=np.empty((0, 0, 0)))
+
+    def with_carried(self, carried: FloatArray) -> "TimeTarget":
+        """With (n_realisations, n, N) of the excitation's noise, as the channels feel it, beside the sensors' own."""
+        base = self.with_noise(self.noise)
+        return replace(base, density=base.density + _density_of(carried), carried=carried)
 
     def cut(self, n_samples: int) -> "TimeTarget":
         """The first samples only, and never the last ``AHEAD`` of a test."""
@@ -90,7 +98,11 @@ class TimeTarget:
         short = _first(self.record, n)
         measured = scored_spectrum(short.responses)
         line = np.linspace(0, self.density.shape[1] - 1, measured.shape[1]).astype(int)
-        return TimeTarget(short, self.noise, measured, self.density[:, line], _first(self.driven, n + AHEAD))
+        density, carried = self.density[:, line], self.carried[:, :, :n]
+        if len(carried):
+            own = self.with_noise(self.noise).density[:, line]
+            density = density * (own + _density_of(carried)) / (own + _density_of(self.carried)[:, line])
+        return TimeTarget(short, self.noise, measured, density, _first(self.driven, n + AHEAD), carried)
 
     def without(self, name: str) -> "TimeTarget":
         """Without the channel of a sensor, if it has that."""
@@ -99,7 +111,7 @@ class TimeTarget:
             return self
         record, driven = (_of_channels(record, kept) for record in (self.record, self.driven))
         noise = replace(self.noise, sensors=self.noise.sensors[kept])
-        return TimeTarget(record, noise, self.measured[kept], self.density[kept], driven)
+        return TimeTarget(record, noise, self.measured[kept], self.density[kept], driven, self.carried[:, kept])
 
     def spectrum(self, channels: FloatArray) -> ComplexArray:
         """(n, lines) spectrum of what was simulated, as far as it is judged."""
@@ -326,31 +338,31 @@ def carry_noise(
     noisy = [t for t in evaluator.timed if t.noise.excitation > 0 and t.record.excitation is not None]
     if not noisy:
         return list(evaluator.targets)
-    clean = dict(zip([t.record.name for t in noisy], _spectra(evaluator.with_targets(noisy), hypothesis), strict=True))
-    power = {name: np.zeros(spectrum.shape) for name, spectrum in clean.items()}
+    clean = evaluator.with_targets(noisy).responses(hypothesis)
+    changes: dict[str, list[FloatArray]] = {target.record.name: [] for target in noisy}
     for _ in range(realisations):
         disturbed = [replace(t, driven=shaken(t.driven, t.noise.excitation, rng)) for t in noisy]
-        for target, spectrum in zip(disturbed, _spectra(evaluator.with_targets(disturbed), hypothesis), strict=True):
-            power[target.record.name] += np.abs(spectrum - clean[target.record.name]) ** 2
+        moved = evaluator.with_targets(disturbed).responses(hypothesis)
+        for target, one, other in zip(noisy, clean, moved, strict=True):
+            changes[target.record.name].append((other.channels - one.channels)[:, : target.record.n_samples])
     targets: list[Target] = []
     for each in evaluator.targets:
         if not isinstance(each, TimeTarget):
             targets.append(each)
-            continue
-        base = each.with_noise(each.noise)
-        if each.record.name in power:
-            mean = power[each.record.name] / (realisations * each.record.n_samples)
-            base = replace(base, density=base.density + uniform_filter1d(mean, SMOOTHED_LINES, axis=1))
-        targets.append(base)
+        elif each.record.name in changes:
+            targets.append(each.with_carried(np.stack(changes[each.record.name])))
+        else:
+            targets.append(each.with_noise(each.noise))
     return targets
 
 
 SMOOTHED_LINES = 9
 
 
-def _spectra(evaluator: Evaluator, hypothesis: Hypothesis) -> list[ComplexArray]:
-    responses = evaluator.responses(hypothesis)
-    return [target.spectrum(each.channels) for target, each in zip(evaluator.timed, responses, strict=True)]
+def _density_of(carried: FloatArray) -> FloatArray:
+    """(n, lines) noise density per line, SI^2, of (n_realisations, n, N) realisations."""
+    power = np.mean([np.abs(scored_spectrum(each)) ** 2 for each in carried], axis=0)
+    return np.asarray(uniform_filter1d(power / carried.shape[2], SMOOTHED_LINES, axis=1))
 
 
 def shaken(record: Record, sigma: float, rng: np.random.Generator) -> Record:

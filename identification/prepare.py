@@ -6,7 +6,7 @@ from math import pi
 
 import numpy as np
 
-from identification.evaluate import Evaluator, Target, TimeTarget, carry_noise, whitened
+from identification.evaluate import Evaluator, Target, TimeTarget, carry_noise, shaken, whitened
 from identification.hypothesis import Hypothesis, OffsetUnknown, StartUnknown, Unknown, own_numbers
 from identification.noise import estimate_noise
 from identification.rest_target import FrfTarget, ModesTarget
@@ -22,6 +22,11 @@ DISTURBANCE = 1e-7
 
 PREDICTABLE_GROWTH = 300.0
 """Growth up to which a model whose numbers are off by a part in a thousand still follows its own path."""
+
+AMPLIFIED = 6.0
+"""Times the share of noise in the force that the motion may be off by it; a linear resonance gives less than 2. Beyond,
+the records hold more of the force's noise than of the rig, and as the noise is taken for steady they would hide the
+beginning, which still tells."""
 
 DIVERGENCE_WINDOW = 0.25
 """Seconds over which growth is averaged."""
@@ -125,24 +130,32 @@ class Horizon:
     Attributes:
         record: name.
         growth: of a small disturbance over the record, relative to the disturbance.
-        seconds: until which the growth stays below ``PREDICTABLE_GROWTH``.
+        seconds: until which the growth stays below ``PREDICTABLE_GROWTH`` and the force's noise below ``AMPLIFIED``.
+        amplified: largest growth of the force's noise, relative to the noise; 0 where that is not known.
     """
 
     record: str
     growth: float
     seconds: float
+    amplified: float = 0.0
 
 
 def horizons(evaluator: Evaluator, hypothesis: Hypothesis) -> list[Horizon]:
-    """Divergence of neighbouring motions in every time record, by simulating it twice."""
-    disturbed = [replace(t, driven=_disturbed(t.driven)) for t in evaluator.timed]
-    rows = zip(
-        evaluator.timed,
-        evaluator.responses(hypothesis),
-        evaluator.with_targets(disturbed).responses(hypothesis),
-        strict=True,
-    )
-    return [_horizon(target.record, one.channels, other.channels) for target, one, other in rows]
+    """Divergence of neighbouring motions in every time record, by simulating it beside two others.
+
+    One is disturbed so little that the motions part as the tangent says, the other by noise as large as the force's, by
+    which a motion may settle in another sleeve, or just miss one.
+    """
+    rng = np.random.default_rng(0)
+    nearby = [replace(t, driven=_disturbed(t.driven)) for t in evaluator.timed]
+    noisy = [replace(t, driven=shaken(t.driven, t.noise.excitation, rng)) for t in evaluator.timed]
+    runs = [
+        evaluator.with_targets(targets).responses(hypothesis) for targets in (evaluator.timed, nearby, noisy) if targets
+    ]
+    return [
+        _horizon(target, *(response.channels for response in responses))
+        for target, *responses in zip(evaluator.timed, *runs, strict=True)
+    ]
 
 
 def _disturbed(record: Record) -> Record:
@@ -151,15 +164,24 @@ def _disturbed(record: Record) -> Record:
     return replace(record, excitation=record.excitation * (1.0 + DISTURBANCE))
 
 
-def _horizon(record: Record, one: FloatArray, other: FloatArray) -> Horizon:
+def _horizon(target: TimeTarget, one: FloatArray, nearby: FloatArray, noisy: FloatArray) -> Horizon:
+    record = target.record
     width = max(1, min(int(DIVERGENCE_WINDOW * record.fs), one.shape[1]))
-    n = one.shape[1] // width
-    scale = one.std(axis=1, keepdims=True) + np.finfo(float).tiny
-    apart = ((one - other) / scale)[:, : n * width].reshape(len(one), n, width)
-    growth = np.sqrt(np.mean(apart**2, axis=(0, 2))) / DISTURBANCE
-    beyond = np.flatnonzero(growth > PREDICTABLE_GROWTH)
+    growth = _apart(one, nearby, width) / DISTURBANCE
+    force = 0.0 if record.excitation is None else float(np.std(record.excitation))
+    share = target.noise.excitation / force if force > 0.0 else 0.0
+    amplified = _apart(one, noisy, width) / share if share > 0.0 else np.zeros_like(growth)
+    beyond = np.flatnonzero((growth > PREDICTABLE_GROWTH) | (amplified > AMPLIFIED))
     seconds = record.duration if len(beyond) == 0 else max(2, int(beyond[0])) * width / record.fs
-    return Horizon(record.name, float(growth.max()), seconds)
+    return Horizon(record.name, float(growth.max()), seconds, float(amplified.max()))
+
+
+def _apart(one: FloatArray, other: FloatArray, width: int) -> FloatArray:
+    """(n_windows,) how far two motions are apart in each window, as a share of the first."""
+    scale = one.std(axis=1, keepdims=True) + np.finfo(float).tiny
+    n = one.shape[1] // width
+    apart = ((one - other) / scale)[:, : n * width].reshape(len(one), n, width)
+    return np.asarray(np.sqrt(np.mean(apart**2, axis=(0, 2))))
 
 
 def cut_to(

@@ -180,3 +180,18 @@ def test_noise_of_the_sensors_counts_once_and_that_of_the_force_as_often_as_ther
     assert own.repeats == pytest.approx(1.0)
     assert shared.repeats == pytest.approx(len(record.sensors), rel=1e-4)
     assert Evaluator([own, shared], 1).repeats == pytest.approx((1.0 + len(record.sensors)) / 2.0, rel=1e-4)
+
+
+def test_a_part_has_the_noise_of_its_own_time():
+    """Noise of the force that is carried to the second half only is none of the first half's."""
+    evaluator = evaluator_of(measured(Hypothesis(oscillator()), sweep(4096)))
+    (target,) = evaluator.timed
+    late = np.zeros((4, 1, 4096))
+    late[:, :, 2048:] = 100.0 * target.noise.sensors * np.random.default_rng(1).standard_normal((4, 1, 2048))
+    loud = target.with_carried(late)
+
+    np.testing.assert_allclose(loud.cut(2000).density, target.cut(2000).density, rtol=1e-9)
+    # Half of the record at 100 times the noise: 5000 times its power, some 15 % off with 4 realisations and 9 lines.
+    assert np.median(loud.density / target.density) == pytest.approx(5000.0, rel=0.1)
+    assert loud.cut(3000).density.mean() < 0.75 * loud.density.mean()
+    assert loud.with_noise(loud.noise).carried.size == 0

@@ -10,6 +10,7 @@ from identification.evaluate import AHEAD, Evaluator, TimeTarget, scored_spectru
 from identification.hypothesis import Hypothesis, OffsetUnknown, StartUnknown
 from identification.noise import Noise
 from identification.prepare import (
+    AMPLIFIED,
     MIN_SAMPLES,
     PREDICTABLE_GROWTH,
     RESOLVED,
@@ -168,3 +169,28 @@ def test_preparing_estimates_and_carries_the_noise():
     assert target.noise.sensors == pytest.approx(noise.sensors, rel=0.15)
     assert target.density.max() > 1.5 * target.density.min()
     assert target.record.fs == FS
+
+
+def with_force_noise(evaluator, share):
+    """The evaluator with noise in the force that its record does not hold."""
+    (target,) = evaluator.timed
+    sigma = share * float(np.std(target.record.excitation))
+    return evaluator.with_targets([replace(target, noise=replace(target.noise, excitation=sigma))])
+
+
+def test_noise_of_the_force_that_grows_ends_what_can_be_predicted():
+    """From 1e-3 an exponent of 0.1 1/s makes 6e-3 in 18 s, long before the tangent's growth is 300."""
+    evaluator, model = ueda(7.5)
+    (tangent,), (found,) = horizons(evaluator, model), horizons(with_force_noise(evaluator, 1e-3), model)
+
+    assert found.amplified > 10.0 * AMPLIFIED
+    assert 3.0 < found.seconds < 0.8 * tangent.seconds
+
+
+def test_noise_of_the_force_that_a_linear_rig_passes_on_ends_nothing():
+    evaluator = evaluator_of(measured(Hypothesis(oscillator(damping_ratio=0.002)), sweep(8192)))
+
+    (found,) = horizons(with_force_noise(evaluator, 0.02), Hypothesis(oscillator(damping_ratio=0.002)))
+
+    assert 0.1 < found.amplified < 2.0
+    assert found.seconds == evaluator.timed[0].record.duration
