@@ -14,18 +14,18 @@ SIDES: tuple[Side, ...] = ("up", "down")
 
 @dataclass(frozen=True)
 class QuadraticStiffness(Effect):
-    """F = -stiffness q^2 where it is stiffer up, F = stiffness q^2 where it is stiffer down."""
+    """F = -stiffness q^2 where it is stiffer up, F = stiffness q^2 where it is stiffer down; a beam has its sleeves."""
 
     kind: ClassVar[str] = "quadratic_stiffness"
     family: ClassVar[Family] = "point force"
-    places: ClassVar[tuple[PlaceKind, ...]] = ("sleeve", "position")
-    structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
+    places: ClassVar[tuple[PlaceKind, ...]] = ("position",)
+    structures: ClassVar[tuple[StructureKind, ...]] = ("oscillator",)
     source: ClassVar[str] = "A. H. Nayfeh, D. T. Mook, Nonlinear Oscillations (1979), section 2.3.1"
     signature: ClassVar[Signature] = Signature(
-        frequency="even harmonics and a mean deflection; about a sag resonances shift",
-        level="grows in proportion to the amplitude; about a sag it is a spring at every level",
+        frequency="even harmonics and a mean deflection; about a mean load the resonance shifts",
+        level="grows in proportion to the amplitude; about a mean load it is a spring at every level",
         time="on one side of each swing; alike through the record",
-        place="modes that move at its place",
+        place="the oscillator as a whole",
     )
     options: ClassVar[Mapping[str, tuple[str, ...]]] = {"stiffer": SIDES}
 

@@ -1,12 +1,13 @@
 """``testbed study``: studies that fill a folder of results."""
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from testbed.cli.options import AsJson, Jobs, Out, RigFile, out_folder
+from testbed.cli.options import AsJson, Jobs, Out, RigFile, Seed, out_folder
 from testbed.cli.progress import progress
 
 EXAMPLE = "Example: testbed study contact-laws rig.toml --out results/contact_laws"
@@ -71,4 +72,65 @@ def identifier(
         print_table(heads, rows, "rms error of c [N s/m]")
         say(f"written: {folder}/README.md, identifier.json and figures")
     if content["missed"]:
+        raise typer.Exit(MISSED)
+
+
+DataFolder = Annotated[
+    Path, typer.Argument(metavar="DATA_DIR", help="Folder with the published files.", show_default=False)
+]
+
+
+@study.command("silverbox", epilog="Example: testbed study silverbox data/silverbox --out results/silverbox")
+def silverbox(folder: DataFolder, *, out: Out = None, seed: Seed = 0, jobs: Jobs = 2, as_json: AsJson = False) -> None:
+    """The Silverbox circuit: what it hides, named and predicted; status 1 if a bar is missed."""
+    written = out_folder(out, Path("silverbox"))
+    with progress() as tell:
+        from testbed.real_data.run import run_silverbox
+
+        command = ["testbed", *sys.argv[1:]]
+        content = run_silverbox(folder, written, seed=seed, jobs=jobs, command=command, progress=tell)
+    _say_bars(content, written, "silverbox", as_json=as_json)
+
+
+@study.command(
+    "friction-frame", epilog="Example: testbed study friction-frame data/friction_frame --out results/friction_frame"
+)
+def friction_frame(
+    folder: DataFolder, *, out: Out = None, seed: Seed = 0, jobs: Jobs = 2, as_json: AsJson = False
+) -> None:
+    """A frame that rubs, at three weights: friction against weight; status 1 if a bar is missed."""
+    written = out_folder(out, Path("friction_frame"))
+    with progress() as tell:
+        from testbed.real_data.run import run_friction_frame
+
+        command = ["testbed", *sys.argv[1:]]
+        content = run_friction_frame(folder, written, seed=seed, jobs=jobs, command=command, progress=tell)
+    _say_bars(content, written, "friction_frame", as_json=as_json)
+
+
+@study.command(
+    "bolted-beam", epilog="Example: testbed study bolted-beam data/brake_reuss_beam --out results/bolted_beam"
+)
+def bolted_beam(folder: DataFolder, *, out: Out = None, jobs: Jobs = 2, as_json: AsJson = False) -> None:
+    """The Brake-Reuss beam: what its joint does at four force levels; status 1 if a bar is missed."""
+    written = out_folder(out, Path("bolted_beam"))
+    with progress() as tell:
+        from testbed.real_data.run import run_bolted_beam
+
+        command = ["testbed", *sys.argv[1:]]
+        content = run_bolted_beam(folder, written, jobs=jobs, command=command, progress=tell)
+    _say_bars(content, written, "bolted_beam", as_json=as_json)
+
+
+def _say_bars(content: Mapping[str, Any], folder: Path, name: str, *, as_json: bool) -> None:
+    """What was to be reached and what was, and the exit status."""
+    from testbed.cli.tables import print_json, print_table, say
+    from testbed.real_data.page import rows_of
+
+    if as_json:
+        print_json(content)
+    else:
+        print_table(("", "reached", "bound", "unit", "kept"), rows_of(content))
+        say(f"written: {folder}/README.md, {name}.json and figures")
+    if not content["reached"]:
         raise typer.Exit(MISSED)

@@ -7,6 +7,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from models.effects import EFFECTS
 from testbed.outputs import json_text
 
 NOT_KNOWN = "-"
@@ -114,6 +115,9 @@ def print_next(content: Mapping[str, Any]) -> None:
     say(f"next: {content['do']}: {content['why']}")
 
 
+OPTIONS = sorted({key for kind in EFFECTS.values() for key in kind.options})
+"""Keys by which kinds choose a variant."""
+
 LEAST_CHANCE = 1e-4
 """Probabilities below it are all alike."""
 
@@ -141,7 +145,7 @@ def measured(number: Mapping[str, Any]) -> str:
 
 def named(effect: Mapping[str, Any]) -> str:
     """Kind and place of an effect in JSON: ``squeeze_film at sleeve 2``."""
-    against = f" against {effect['against']}" if "against" in effect else ""
+    against = "".join(f" {key} {effect[key]}" for key in OPTIONS if key in effect)
     if "sleeve" in effect:
         return f"{effect['kind']}{against} at {effect['sleeve']}"
     if "sensor" in effect:

@@ -28,7 +28,6 @@ EXAMPLES = {
     "hunt_crossley": {"sleeve": "sleeve 2", "dissipation": 2.0},
     "squeeze_film": {"sleeve": "sleeve 2", "damping": 20.0},
     "coulomb_friction": {"position": 0.7, "friction_force": 5.0, "slip_velocity": 1e-3},
-    "quadratic_stiffness": {"position": 0.7, "stiffness": 1e7},
     "cubic_stiffness": {"position": 0.7, "stiffness": 1e11},
     "bouc_wen": {"position": 0.7, "force": 5.0, "yield_displacement": 1e-4, "exponent": 1.5},
     "point_stiffness": {"position": 0.7, "stiffness": 3e4},
@@ -55,8 +54,8 @@ EXAMPLES = {
 }
 
 
-def test_every_effect_has_an_example():
-    assert set(EXAMPLES) == set(EFFECTS)
+def test_every_effect_of_a_beam_has_an_example():
+    assert set(EXAMPLES) == {kind for kind, cls in EFFECTS.items() if "beam" in cls.structures}
 
 
 @pytest.mark.parametrize("kind", EXAMPLES)
