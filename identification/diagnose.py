@@ -8,7 +8,9 @@ import numpy as np
 
 from identification.assess import score, with_starts
 from identification.calibrate import calibrate, concerning, strained, unknowns_of
-from identification.evaluate import carry_noise
+from identification.consistency.find import calibration_findings
+from identification.consistency.finding import CalibrationFinding
+from identification.evaluate import Evaluator, carry_noise
 from identification.evidence import (
     LEAST_EVIDENCE,
     Ranked,
@@ -19,15 +21,19 @@ from identification.evidence import (
     reranked,
     with_evidence,
 )
+from identification.faults import suspicion
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, effect_unknowns
 from identification.intervals import corrected
 from identification.judge import judge, refit, restarted
+from identification.locating.beside import runs_beside
+from identification.locating.locate import locate
 from identification.look import View
 from identification.maps import error_map
-from identification.missing_force import missing_forces
+from identification.missing_force import forces_of
+from identification.next_experiment.propose import next_experiment
 from identification.noise_left import NOISE_NEAR, noise_left, with_noise
-from identification.outcome import AT_REST_ONLY, added_effects, candidates_of, groups_of, next_experiment, rig_estimates
+from identification.outcome import AT_REST_ONLY, added_effects, candidates_of, groups_of, rig_estimates
 from identification.prepare import cut_to, horizons, prepare
 from identification.progress import Progress, silent
 from identification.result import Diagnosis, Score, Stage, Verdict
@@ -67,6 +73,7 @@ def diagnose(
     seed: int = 0,
     jobs: int = 2,
     registry: Registry = EFFECTS,
+    most_effects: int = MOST_EFFECTS,
     progress: Progress = silent,
 ) -> Diagnosis:
     """Find what a rig file lacks to explain its records.
@@ -81,6 +88,7 @@ def diagnose(
         seed: of every random choice.
         jobs: threads.
         registry: kinds of effects to consider.
+        most_effects: added at most.
         progress: told in words what is done and decided.
 
     Raises:
@@ -99,7 +107,7 @@ def diagnose(
     _carry(session, base.hypothesis, seed)
     chain, rounds = [base], []
     for _ in range(MOST_ROUNDS):
-        if len(chain[-1].hypothesis.effects) >= MOST_EFFECTS or _enough(chain[-1]):
+        if len(chain[-1].hypothesis.effects) >= most_effects or _enough(chain[-1]):
             break
         ranked, better = _round(session, chain[-1])
         if better is not None and not chain[-1].hypothesis.effects:
@@ -128,7 +136,9 @@ def diagnose(
             del rounds[index]
     verdict = _verdict(session, chain[0], chain[-1], rounds)
     final = chain[-1] if verdict == "missing_effect" else chain[0]
-    return _result(session, given, stages, rounds, verdict, final, holdout, seed, began)
+    calibration = _one_set_of_numbers(session, chain[0], verdict)
+    found = _result(session, given, stages, rounds, verdict, final, holdout, seed, began)
+    return replace(found, calibration=calibration, findings=(*found.findings, *(each.words for each in calibration)))
 
 
 def _open(given: Hypothesis, records: Sequence[AnyRecord], seed: int, jobs: int, progress: Progress) -> Session:
@@ -139,8 +149,8 @@ def _open(given: Hypothesis, records: Sequence[AnyRecord], seed: int, jobs: int,
     for limit, target in zip(limits, everything.timed, strict=True):
         if limit.seconds < target.record.duration:
             session.decide(
-                f"{limit.record}: neighbouring motions part by a factor of {limit.growth:.0e}; "
-                f"only its first {limit.seconds:.2f} s are used to fit"
+                f"{limit.record}: neighbouring motions part by a factor of {limit.growth:.0e}, the force's noise grows to "
+                f"{limit.amplified:.3g} times its share; only the first {limit.seconds:.2f} s are used to fit"
             )
         session.decide(f"{limit.record}: sensors' noise from {target.noise.method}; {target.noise.excitation_method}")
     for rest in everything.at_rest:
@@ -175,6 +185,15 @@ def _calibration_in_words(base: Fit) -> str:
     return words
 
 
+def _one_set_of_numbers(session: Session, calibrated: Fit, verdict: Verdict) -> tuple[CalibrationFinding, ...]:
+    """What the calibrated model's numbers contradict, among the decisions where something is missing."""
+    session.progress("holding the calibrated numbers against tolerances, records, times and modes")
+    found = calibration_findings(session.fitting, calibrated, np.random.default_rng(session.seed))
+    for each in found if verdict != "complete" else ():
+        session.decide(f"calibrated model: {each.words}")
+    return found
+
+
 def _enough(result: Fit) -> bool:
     """The noise is reached; without an effect, with every number within its tolerance."""
     return result.ratio <= NOISE_REACHED and (bool(result.hypothesis.effects) or not strained(result))
@@ -185,14 +204,36 @@ def _round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
     timed = bool(session.everything.timed)
     lasting = {name: kind for name, kind in session.registry.items() if kind.family == "time" and timed}
     instant = {name: kind for name, kind in session.registry.items() if kind.family != "time"}
-    searching, views = session.searching(base), []
-    for kinds, seconds, most in ((instant, SCREEN_SECONDS, 2), (lasting, TIME_SECONDS, 1)):
-        if kinds:
-            evaluator = cut_to(searching, seconds, session.limits, most)
-            there = fit(evaluator, base.hypothesis, concerning(base, evaluator), max_iterations=1)
-            views.append(View(evaluator, there, kinds))
-    ranked = judge(views, session.fitting, base, session.progress)
+    searching = session.searching(base)
+    first = _view(session, searching, base, instant, SCREEN_SECONDS, 2)
+    suspected = suspicion(first.evaluator, first.there)
+    ranked: list[Ranked] = []
+    if suspected:
+        session.decide(suspected.words)
+        faults = replace(first, registry=suspected.kinds(instant), sensors=suspected.sensors)
+        ranked = judge([faults], session.fitting, base, session.progress)
+    if not (ranked and _takes_away(base, ranked[0].fit) >= PLAIN_FAULT):
+        views = [replace(first, sensors=suspected.sensors)]
+        if lasting:
+            views.append(_view(session, searching, base, lasting, TIME_SECONDS, 1))
+        ranked = judge(views, session.fitting, base, session.progress)
     return (ranked, _recalibrated(session, base, ranked[0].fit)) if ranked else ([], None)
+
+
+PLAIN_FAULT = 0.7
+"""Share of the excess over the noise that a fault of the measurement takes away for physics not to be asked."""
+
+
+def _view(session: Session, searching: Evaluator, base: Fit, kinds: Registry, seconds: float, most: int) -> View:
+    """So many seconds of the loudest records, the quietest and those between, and the calibrated model there."""
+    evaluator = cut_to(searching, seconds, session.limits, most)
+    there = fit(evaluator, base.hypothesis, concerning(base, evaluator), max_iterations=1)
+    return View(evaluator, there, kinds)
+
+
+def _takes_away(base: Fit, found: Fit) -> float:
+    """Share of the misfit beyond the noise."""
+    return (base.cost - found.cost) / max(base.cost - base.n_data, 1.0)
 
 
 def _recalibrated(session: Session, base: Fit, found: Fit) -> Fit | None:
@@ -231,7 +272,7 @@ def _accept(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | None
         return None
     best = ranked[0]
     odds = best.log_evidence - log_fit(base, misfit_in_common(ranked))
-    share = (base.cost - best.fit.cost) / max(base.cost - base.n_data, 1.0)
+    share = _takes_away(base, best.fit)
     name = best.effect.label()
     least = LATER_SHARE if base.hypothesis.effects and best.fit.ratio > NOISE_NEAR else LEAST_SHARE
     if odds < LEAST_EVIDENCE or (base.ratio > NOISE_REACHED and share < least):
@@ -305,7 +346,7 @@ def _verdict(session: Session, calibrated: Fit, final: Fit, rounds: Sequence[Seq
             return "complete"
         session.decide("unexplained: nothing in the library explains what is left")
         return "unexplained"
-    share = (calibrated.cost - final.cost) / max(calibrated.cost - calibrated.n_data, 1.0)
+    share = _takes_away(calibrated, final)
     if final.ratio <= NOISE_NEAR or share >= EXPLAINED_SHARE:
         session.decide(f"missing effect found; residual {final.ratio:.2f} times the noise")
         return "missing_effect"
@@ -334,6 +375,20 @@ def _result(
     calibrated = next(stage for stage in reversed(stages) if stage.label == "calibrated")
     first = rounds[0] if rounds else []
     chances = probabilities([r.log_evidence for r in first] + [_nothing(first, final)]) if first else []
+    later = [(ranked, probabilities([r.log_evidence for r in ranked])) for ranked in rounds[1:] if ranked]
+    session.progress("locating the force that the calibrated model lacks")
+    beside = runs_beside(session.everything, calibrated.hypothesis)
+    forces = forces_of(beside)
+    updated_maps = tuple(error_map(record) for record in stages[-1].score.records)
+    proposal = next_experiment(
+        session,
+        verdict,
+        [*([(first, chances)] if first else []), *later],
+        polished.hypothesis,
+        maps=updated_maps,
+        forces=forces,
+        kept_aside=bool(holdout),
+    )
     return Diagnosis(
         verdict=verdict,
         added=added_effects(polished, rounds),
@@ -343,10 +398,11 @@ def _result(
         holdout=_held_out(session, given, polished.hypothesis, holdout, seed),
         rig_estimates=rig_estimates(polished),
         where=tuple(error_map(record) for record in calibrated.score.records),
-        missing_forces=missing_forces(session.everything, calibrated.hypothesis),
-        updated_maps=tuple(error_map(record) for record in stages[-1].score.records),
+        missing_forces=forces,
+        located=locate(session.everything, calibrated.hypothesis, beside, seed),
+        updated_maps=updated_maps,
         traces=_traces(session, polished.hypothesis),
-        next_experiment=next_experiment(verdict, first, chances, session.limits, kept_aside=bool(holdout)),
+        next_experiment=proposal,
         decisions=tuple(session.decisions),
         seconds=perf_counter() - began,
         seed=seed,

@@ -21,6 +21,11 @@ LEAST_TOLD = 1e-12
 LEAST_FALL = 0.1
 """A density falls to this share of itself at most in a turn, so that it can rise again."""
 
+LEAST_SHARE = 1e-6
+"""Least density, as a share of the noise's in the line that tells most: less is no force, but loses digits."""
+
+TINY = 1e-300
+
 RIDGE = 1e-9
 """Share of a free decay's own weight that holds its size where two decays look the same."""
 
@@ -33,6 +38,10 @@ class ForceEstimate:
         decays: (lines, n_channels, n_decays) B, spectra of free decays.
         variance: (lines, n_channels) of the noise's spectrum, SI^2.
         n_samples: of the record.
+
+    Attributes:
+        surprise: minus the logarithm of the evidence for the last forces, but for a constant.
+        evidence: logarithm of the odds for them against none.
     """
 
     def __init__(self, frf: ComplexArray, decays: ComplexArray, variance: FloatArray, n_samples: int) -> None:
@@ -46,7 +55,13 @@ class ForceEstimate:
         self._own = np.real(self._weighted_decays @ self._decays.reshape(-1, len(scale)))
         edges = np.unique(np.round(np.geomspace(min(4, len(frf)), len(frf), BANDS + 1)).astype(int))
         self._edges = np.concatenate([[0], edges[1:]])
+        self._variance = variance
+        self.surprise = self.evidence = 0.0
         self._density: FloatArray | None = None
+        weight = np.real(np.einsum("lpp->lp", self._normal))
+        most = np.maximum.reduceat(weight, self._edges[:-1], axis=0)
+        self._least = np.repeat(LEAST_SHARE / np.maximum(most, TINY), np.diff(self._edges), axis=0)
+        self._spread = np.zeros_like(self._normal)
 
     def force(self, left: ComplexArray) -> FloatArray:
         """(n_places, N) the forces, N, in the band in which they can be told.
@@ -68,8 +83,28 @@ class ForceEstimate:
             rest = of_decays - np.real(np.einsum("lpd,lp->d", told.conj(), projected))
             decay = np.linalg.solve(own + RIDGE * np.eye(len(own)), rest)
             force = np.einsum("lpq,lq->lp", spread, projected) - told @ decay
-            own_spread = np.real(np.einsum("lpp->lp", spread))
+            density, own_spread = self._density, np.real(np.einsum("lpp->lp", spread))
             self._density = self._next_density(np.abs(force) ** 2, own_spread)
+        explained = float(np.real(np.vdot(projected, force))) + float(of_decays @ decay)
+        freedom = float(np.sum(np.log(density))) - float(np.sum(np.linalg.slogdet(spread)[1]))
+        alone = float(of_decays @ np.linalg.solve(self._own + RIDGE * np.eye(len(self._own)), of_decays))
+        chi2 = float(np.sum(np.abs(seen) ** 2 / self._variance))
+        self.surprise, self.evidence = chi2 - explained + freedom, explained - alone - freedom
+        self._spread = spread
+        return self._in_time(force)
+
+    def error(self, rng: np.random.Generator) -> FloatArray:
+        """(n_places, N) a realisation of the last estimate's error, N.
+
+        Args:
+            rng: of the realisation.
+        """
+        lines, places = self._spread.shape[:2]
+        random = rng.standard_normal((2, lines, places, 1)) * np.sqrt(0.5)
+        root = np.linalg.cholesky(self._spread)
+        return self._in_time((root @ (random[0] + 1j * random[1]))[:, :, 0])
+
+    def _in_time(self, force: ComplexArray) -> FloatArray:
         full = np.zeros((self._n_samples // 2 + 1, force.shape[1]), complex)
         full[: len(force)] = force
         return np.asarray(fft.irfft(full, self._n_samples, axis=0).T)
@@ -85,7 +120,9 @@ class ForceEstimate:
         assert self._density is not None
         told = np.maximum(self._smooth(1.0 - spread / self._density), LEAST_TOLD)
         size = self._smooth(power)
-        return np.maximum(np.minimum(size + self._smooth(spread), size / told), LEAST_FALL * self._density)
+        return np.maximum(
+            np.minimum(size + self._smooth(spread), size / told), np.maximum(LEAST_FALL * self._density, self._least)
+        )
 
     def _smooth(self, power: FloatArray) -> FloatArray:
         """Band means at every line."""

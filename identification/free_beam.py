@@ -7,12 +7,13 @@ Source: R. Pintelon, J. Schoukens, System Identification: A Frequency Domain App
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy import fft
 
-from models.arrays import AnyArray, ComplexArray, FloatArray, IntArray
+from models.arrays import AnyArray, ComplexArray, FloatArray
 from models.band_limit import STOP_EDGE
 from models.linear import ORDER_READ
 from models.modal import ModalModel
@@ -53,7 +54,7 @@ class FreeBeam:
             fs: of the record, Hz.
         """
         n = model.n
-        shapes = np.stack([model.rows(position) for position in positions])
+        shapes = np.array([model.rows(position) for position in positions]).reshape(-1, n)
         stiffness = np.diag(model.omega**2) + shapes.T @ (springs[:, None] * shapes)
         system = np.block([[np.zeros((n, n)), np.eye(n)], [-stiffness, -model.damping]])
         poles, basis = np.linalg.eig(system)
@@ -65,6 +66,16 @@ class FreeBeam:
         """(lines,) circular frequencies of the record's spectrum, rad/s."""
         return 2.0 * np.pi * np.asarray(fft.rfftfreq(self.n_samples, 1.0 / self.fs))
 
+    def acting_at(self, shapes: FloatArray) -> "FreeBeam":
+        """The same structure, springs included, with forces at other places.
+
+        Args:
+            shapes: (n_places, n) displacement of the places by modal coordinate.
+        """
+        n = len(self.vectors)
+        force = np.vstack([np.zeros((n, len(shapes))), shapes.T]).astype(complex)
+        return replace(self, inputs=np.asarray(np.linalg.solve(self._basis, force), complex), shapes=shapes)
+
     def frf(self, rows: FloatArray, order: FloatArray, lines: int) -> ComplexArray:
         """(lines, n_rows, n_places) response of some rows to a unit force at each place.
 
@@ -73,10 +84,9 @@ class FreeBeam:
             order: (n_rows,) how often each is differentiated in time.
             lines: how many, from 0 Hz.
         """
-        s = 1j * self.omega[:lines]
-        seen = rows @ self.vectors
-        response = np.einsum("rk,lk,kp->lrp", seen, 1.0 / (s[:, None] - self.poles), self.inputs, optimize=True)
-        return np.asarray(response * s[:, None, None] ** order[:, None])
+        paths = (rows @ self.vectors).T[:, :, None] * self.inputs[:, None, :]
+        response = (self._above[:lines] @ paths.reshape(len(paths), -1)).reshape(lines, *paths.shape[1:])
+        return np.asarray(response * self._differentiated(order)[:lines, :, None])
 
     def decays(self, rows: FloatArray, order: FloatArray) -> FloatArray:
         """(n_decays, n_rows, N) free decays that span what an unknown state at the first sample adds.
@@ -85,45 +95,73 @@ class FreeBeam:
             rows: (n_rows, n) as in ``frf``.
             order: (n_rows,) as in ``frf``.
         """
-        kept = np.flatnonzero(self._recorded & (self.poles.imag >= 0))
-        wave = self._readings(rows, order)[:, kept].T[:, :, None] * self._decay(kept)[:, None, :]
-        turning = self.poles[kept].imag > 0
-        return np.concatenate([wave.real, wave[turning].imag])
+        turns = self.poles[self._recorded].imag
+        readings = self._readings(rows, order)[:, self._recorded].T
+        wave = readings[turns >= 0, :, None] * self._decay[turns >= 0, None, :]
+        return np.concatenate([wave.real, wave[turns[turns >= 0] > 0].imag])
 
-    def response(self, rows: FloatArray, order: FloatArray, force: FloatArray) -> FloatArray:
-        """(n_rows, N) response of some rows from rest.
+    def response(
+        self, rows: FloatArray, order: FloatArray, force: FloatArray, start: FloatArray | None = None
+    ) -> FloatArray:
+        """(n_rows, N) response of some rows.
 
         Args:
             rows: (n_rows, n) as in ``frf``.
             order: (n_rows,) as in ``frf``.
             force: (n_places, N) N, below the recorder's stopped band.
+            start: modal displacements and velocities at the first sample; None at rest. Shapes that it does not
+                know rest.
         """
         spectrum = np.asarray(fft.rfft(force, axis=1)).T
-        forced = np.einsum("lrp,lp->rl", self.frf(rows, order, len(spectrum)), spectrum)
-        kept = np.flatnonzero(self._recorded)
-        free = (self._readings(rows, order)[:, kept] * self._start(spectrum)[kept]) @ self._decay(kept)
-        return np.asarray(fft.irfft(forced, self.n_samples) - free.real)
+        state = (spectrum @ self.inputs.T) * self._above
+        forced = (state @ (rows @ self.vectors).T) * self._differentiated(order)
+        free = -self._start(spectrum, state)
+        if start is not None:
+            free += np.linalg.solve(self._basis, self._resized(start).astype(complex))
+        decay = (self._readings(rows, order) * free)[:, self._recorded]
+        return np.asarray(
+            fft.irfft(forced.T, self.n_samples) + decay.real @ self._decay.real - decay.imag @ self._decay.imag
+        )
+
+    def _resized(self, start: FloatArray) -> FloatArray:
+        state, known = np.zeros((2, len(self.vectors))), start.reshape(2, -1)[:, : len(self.vectors)]
+        state[:, : known.shape[1]] = known
+        return state.ravel()
 
     @property
+    def _basis(self) -> ComplexArray:
+        return np.vstack([self.vectors, self.vectors * self.poles])
+
+    @cached_property
     def _recorded(self) -> AnyArray:
         return np.asarray(np.abs(self.poles) <= 2.0 * np.pi * STOP_EDGE * self.fs)
+
+    @cached_property
+    def _above(self) -> ComplexArray:
+        return np.asarray(1.0 / (1j * self.omega[:, None] - self.poles))
+
+    @cached_property
+    def _below(self) -> ComplexArray:
+        return np.asarray(1.0 / (-1j * self.omega[:, None] - self.poles))
+
+    @cached_property
+    def _decay(self) -> ComplexArray:
+        return np.asarray(np.exp(np.outer(self.poles[self._recorded], np.arange(self.n_samples) / self.fs)))
 
     def _readings(self, rows: FloatArray, order: FloatArray) -> ComplexArray:
         return np.asarray(rows @ self.vectors * self.poles ** order[:, None])
 
-    def _decay(self, kept: IntArray) -> ComplexArray:
-        return np.asarray(np.exp(np.outer(self.poles[kept], np.arange(self.n_samples) / self.fs)))
+    def _differentiated(self, order: FloatArray) -> ComplexArray:
+        return np.asarray((1j * self.omega[:, None]) ** order)
 
-    def _start(self, spectrum: ComplexArray) -> ComplexArray:
+    def _start(self, spectrum: ComplexArray, state: ComplexArray) -> ComplexArray:
         """(2n,) eigencoordinates that the force repeated forever has at the first sample."""
         weight = np.full(len(spectrum), 1.0 / self.n_samples)
         weight[0] *= 0.5
         if self.n_samples % 2 == 0:
             weight[-1] *= 0.5
-        s = 1j * self.omega[:, None]
-        above = (spectrum * weight[:, None]) @ self.inputs.T / (s - self.poles)
-        below = (spectrum.conj() * weight[:, None]) @ self.inputs.T / (-s - self.poles)
-        return np.asarray(np.sum(above + below, axis=0))
+        mirrored = (weight[:, None] * spectrum.conj()).T @ self._below
+        return np.asarray(weight @ state + np.einsum("pk,kp->k", mirrored, self.inputs))
 
 
 def sensor_rows(model: ModalModel, sensors: Sequence[Sensor]) -> tuple[FloatArray, FloatArray]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from identification.evaluate import Evaluator, TimeTarget, shaken, whitened
 from identification.fit import Fit
-from identification.hypothesis import at_coordinates, coordinates
+from identification.hypothesis import Hypothesis, at_coordinates, coordinates
 from models.arrays import FloatArray
 from models.errors import DivergenceError
 from models.simulate import MAX_STEPS_PER_SAMPLE, Settings
@@ -44,12 +44,22 @@ def corrected(evaluator: Evaluator, found: Fit, rng: np.random.Generator) -> Fit
     return replace(moved, covariance=_covariance(evaluator, moved, rng))
 
 
-def _finely(evaluator: Evaluator, found: Fit) -> Fit:
-    """The fit moved by what a finer model leaves."""
-    responses = evaluator.responses(found.hypothesis)
+def finer(evaluator: Evaluator, hypothesis: Hypothesis) -> Evaluator:
+    """The same records at a resolution whose steps cannot be seen.
+
+    Args:
+        evaluator: with a time record at least.
+        hypothesis: whose resolution is refined.
+    """
+    responses = evaluator.responses(hypothesis)
     steps = max(response.steps_per_sample for response in responses)
     modes = max(response.model.n for response in responses)
-    fine = evaluator.with_settings(Settings(FINER * modes, min(FINER * steps, MAX_STEPS_PER_SAMPLE)))
+    return evaluator.with_settings(Settings(FINER * modes, min(FINER * steps, MAX_STEPS_PER_SAMPLE)))
+
+
+def _finely(evaluator: Evaluator, found: Fit) -> Fit:
+    """The fit moved by what a finer model leaves."""
+    fine = finer(evaluator, found.hypothesis)
     prior = np.array([1.0 if unknown.prior else 0.0 for unknown in found.unknowns])
     hypothesis = found.hypothesis
     for _ in range(CORRECTIONS):

@@ -10,7 +10,7 @@ from identification.evaluate import Evaluator, Target, TimeTarget, carry_noise, 
 from identification.hypothesis import Hypothesis, OffsetUnknown, StartUnknown, Unknown, own_numbers
 from identification.noise import estimate_noise
 from identification.rest_target import FrfTarget, ModesTarget
-from models.arrays import FloatArray
+from models.arrays import BoolArray, FloatArray
 from models.band_limit import STOP_EDGE
 from models.linear import ORDER_READ
 from models.modal import ModalModel, build_modal
@@ -30,6 +30,9 @@ beginning, which still tells."""
 
 DIVERGENCE_WINDOW = 0.25
 """Seconds over which growth is averaged."""
+
+LASTING = 8
+"""Windows over which a growth of noise has to last."""
 
 
 def prepare(hypothesis: Hypothesis, records: Sequence[AnyRecord], jobs: int, rng: np.random.Generator) -> Evaluator:
@@ -171,9 +174,15 @@ def _horizon(target: TimeTarget, one: FloatArray, nearby: FloatArray, noisy: Flo
     force = 0.0 if record.excitation is None else float(np.std(record.excitation))
     share = target.noise.excitation / force if force > 0.0 else 0.0
     amplified = _apart(one, noisy, width) / share if share > 0.0 else np.zeros_like(growth)
-    beyond = np.flatnonzero((growth > PREDICTABLE_GROWTH) | (amplified > AMPLIFIED))
+    beyond = np.flatnonzero((growth > PREDICTABLE_GROWTH) | _stays(amplified > AMPLIFIED))
     seconds = record.duration if len(beyond) == 0 else max(2, int(beyond[0])) * width / record.fs
     return Horizon(record.name, float(growth.max()), seconds, float(amplified.max()))
+
+
+def _stays(loud: BoolArray) -> BoolArray:
+    """Windows with which most of the next ones are loud: where a sleeve was just missed, motions meet again."""
+    padded = np.append(loud, np.repeat(loud[-1:], LASTING - 1))
+    return np.asarray(loud & (np.convolve(padded, np.ones(LASTING), "valid") > 0.5 * LASTING))
 
 
 def _apart(one: FloatArray, other: FloatArray, width: int) -> FloatArray:

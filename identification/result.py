@@ -7,7 +7,10 @@ from typing import Literal
 import numpy as np
 
 from identification.at_rest import PairedModes
+from identification.consistency.finding import CalibrationFinding
 from identification.hypothesis import Hypothesis
+from identification.locating.located import Located
+from identification.next_experiment.proposal import Proposal
 from identification.noise import Noise
 from models.arrays import ComplexArray, FloatArray
 from models.effects import Effect
@@ -209,10 +212,13 @@ class Diagnosis:
         missing_forces: of the calibrated model.
         updated_maps: error maps of the final model.
         traces: of the final model, by record name.
-        next_experiment: what would tell most, as key -> text or number.
+        next_experiment: what would tell most.
         decisions: what was decided and why, in order, in words.
         seconds: wall time.
         seed: of every random choice.
+        located: the one place where a force would explain most of what the calibrated model leaves, and its shape.
+        findings: what readers noticed, and what one set of numbers does not explain, in words.
+        calibration: the latter as values, the most significant first.
     """
 
     verdict: Verdict
@@ -226,11 +232,13 @@ class Diagnosis:
     missing_forces: tuple[MissingForce, ...]
     updated_maps: tuple[ErrorMap, ...]
     traces: Mapping[str, Trace]
-    next_experiment: Mapping[str, str | float]
+    next_experiment: Proposal
     decisions: tuple[str, ...]
     seconds: float
     seed: int
     findings: tuple[str, ...] = field(default=())
+    located: Located | None = None
+    calibration: tuple[CalibrationFinding, ...] = field(default=())
 
     @property
     def final(self) -> Stage:

@@ -23,6 +23,9 @@ SEARCH_SHARE = 0.25
 MOST_COARSE = 2.0
 """Times the noise, up to where that share is taken: suspects that come near the noise must still be told apart."""
 
+COARSEST = 2
+"""Steps per sample of the search at least; the model's own choice is finer."""
+
 REWEIGHING_TOLERANCE = 2e-3
 """Relative decrease of the cost that ends a fit on new weights."""
 
@@ -73,9 +76,13 @@ class Session:
         Args:
             base: the model that suspects are added to.
         """
-        coarse = self.fitting.with_settings(Settings(self.fitting.settings.n_modes))
-        settings = resolved(coarse, base.hypothesis, min(SEARCH_SHARE * base.ratio, MOST_COARSE)).settings
-        return self.everything.with_settings(settings)
+        misfit = min(SEARCH_SHARE * base.ratio, MOST_COARSE)
+        coarse = self.fitting.with_settings(Settings(self.fitting.settings.n_modes, COARSEST))
+        if resolved(coarse, base.hypothesis, misfit) is not coarse:
+            coarse = resolved(
+                self.fitting.with_settings(Settings(self.fitting.settings.n_modes)), base.hypothesis, misfit
+            )
+        return self.everything.with_settings(coarse.settings)
 
     def relearn(self, result: Fit, *, uncover: bool = False) -> Fit:
         """The fit again with the noise lowered to what it leaves, for as long as it leaves clearly less.

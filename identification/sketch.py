@@ -32,6 +32,9 @@ ITERATIONS_ALONE, ITERATIONS, TOLERANCE = 3, 5, 2e-2
 ITERATIONS_TOGETHER, ITERATIONS_LASTING = 8, 20
 """Of all at once, from numbers that are near; of the few kinds that act over the length of a record, more."""
 
+MOST_RIVALS = 8
+"""Rivals fitted in a heat."""
+
 MOST_LONG_RIVALS = 4
 """Rivals fitted on whole records."""
 
@@ -85,12 +88,14 @@ def heats(
     """
     starts = [tried_with(evaluator, start, effect) for effect in suspects]
     sketches: list[Sketch] = []
+    first = beginning(evaluator, *schedule[0][:2])
     for share, seconds, most in schedule:
         window = beginning(evaluator, share, seconds)
         ground = ground_of(window, start, base)
         met = bool(sketches) and sketches[0].fit.ratio < REACHED
         sketches = apart(sketched(ground, starts, near=near))
-        others = [] if met else rivals(window, base, sketches, registry)
+        # Beside numbers that are nearly right the shortest part tells who is worth a sketch on more.
+        others = [] if met else rivals(first, base, sketches, registry)[:MOST_RIVALS]
         sketches = apart(by_share([*sketches, *sketched(ground, others, near=near)]))[:most]
         if sketches and sketches[0].fit.ratio < REACHED:
             close = [sketch for sketch in sketches if sketch.share > FAR_BEHIND * sketches[0].share]

@@ -3,9 +3,11 @@
 from collections.abc import Sequence
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
+from identification.locating.located import Shape
 from identification.result import Diagnosis, ErrorMap, FrfScore, MissingForce, RecordScore, Score, Stage
 from models.errors import InputError
 from models.rig import Rig
@@ -15,6 +17,7 @@ from testbed.figures.report_errors import plot_error_steps, plot_holdout
 from testbed.figures.report_force import plot_force_in_time, plot_force_over
 from testbed.figures.report_frf import Curve, plot_coherence_strip, plot_frfs
 from testbed.figures.report_maps import plot_frequency_map, plot_time_map
+from testbed.figures.report_place import plot_channels, plot_curve, plot_profile
 from testbed.figures.report_style import COLOURS, literal
 from testbed.quantities import frf_unit, unit_of
 from testbed.report.picture import Picture, picture
@@ -165,6 +168,63 @@ def _map_picture(
 
 
 SMALLEST_ERROR, COLOUR_RANGE = 1e-6, 300.0
+
+
+def place_picture(diagnosis: Diagnosis, rig: Rig) -> Picture | None:
+    """Where along the beam one missing force explains most, and its shape there; None where no place was looked for."""
+    found = diagnosis.located
+    if found is None:
+        return None
+    rows = 2 if found.shape is not None else 1
+    figure = Figure(figsize=(WIDTH, 2.7 * rows), layout="constrained")
+    upper, *lower = figure.subfigures(rows, 1, squeeze=False)[:, 0]
+    profile, channels = upper.subplots(1, 2, width_ratios=(3.2, 1.0))
+    plot_profile(
+        profile,
+        found.positions,
+        found.explained,
+        interval=found.interval,
+        sleeves={s.name: s.position for s in rig.sleeves if s.position is not None},
+        sensors={s.name: s.position for s in rig.sensors if s.position is not None},
+    )
+    plot_channels(
+        channels,
+        tuple(channel.sensor for channel in found.channels),
+        np.array([channel.explained for channel in found.channels]),
+    )
+    if found.shape is not None:
+        _draw_shape(lower[0].subplots(1, len(PANELS)), found.shape)
+    return picture(
+        figure,
+        f"Place of the missing force: {found.words}",
+        "Above: how much of the misfit beyond the noise one force explains, free in time, wherever it acts; beside it "
+        "the same for a signal of one channel's own. Below: the force at the most likely place; means in bins with "
+        "two standard errors, the band in which it is not told filled by what it follows.",
+    )
+
+
+PANELS = (
+    ("displacement", 1e3, "displacement [mm]"),
+    ("velocity", 1e3, "velocity [mm/s]"),
+    ("time", 1.0, "time [s]"),
+    ("amplitude", 1e3, "amplitude [mm]"),
+)
+"""Quantity, factor to the shown unit, and label, of the panels of a force's shape."""
+
+
+def _draw_shape(axes: Sequence[Axes], shape: Shape) -> None:
+    curves, kept = {curve.of: curve for curve in shape.curves}, DOTS // (4 * len(shape.samples))
+    for ax, (name, scale, label) in zip(axes, PANELS, strict=True):
+        curve, dots = curves[name], None
+        if name in ("displacement", "velocity"):
+            thinned = [(s.q if name == "displacement" else s.v, s.force) for s in shape.samples]
+            x, y = (np.concatenate([pair[k][:: max(1, len(pair[k]) // kept)] for pair in thinned]) for k in (0, 1))
+            dots = scale * x, y
+        middle = shape.middle if name == "displacement" else 0.0
+        plot_curve(ax, dots, (scale * (curve.x + middle), curve.mean, curve.error), label)
+    axes[0].set_ylabel("force [N]")
+    axes[2].set_title("its mean size", loc="left")
+    axes[3].set_title("its mean size", loc="left")
 
 
 def force_pictures(diagnosis: Diagnosis, rig: Rig) -> list[Picture]:

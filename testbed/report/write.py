@@ -14,6 +14,7 @@ from testbed.report.figures import (
     force_pictures,
     frf_pictures,
     map_pictures,
+    place_picture,
     pulls_picture,
     shown_records,
 )
@@ -92,6 +93,8 @@ def _content(diagnosis: Diagnosis, rig: Rig, provenance: Provenance) -> dict[str
         "groups": group_rows(diagnosis),
         "frfs": frf_pictures(diagnosis, rig),
         "maps": map_pictures(diagnosis, rig),
+        "place": place_picture(diagnosis, rig),
+        "located": diagnosis.located,
         "forces": force_pictures(diagnosis, rig),
         "records": record_rows(diagnosis, rig),
         "channels": channel_rows(diagnosis),

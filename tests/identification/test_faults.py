@@ -79,7 +79,11 @@ def test_lines_in_all_channels_are_no_physics_of_the_rig(effect, own):
         (),
         (CoulombFriction(Place(position=0.9), friction_force=2.0, slip_velocity=1e-3),),
         (PointMass(Place(position=P3.position), mass=0.1),),
-        (SensorGain(ON_P3, gain=1.3), SensorGain(Place(sensor="P1"), gain=0.7), SensorGain(Place(sensor="P5"), gain=1.4)),
+        (
+            SensorGain(ON_P3, gain=1.3),
+            SensorGain(Place(sensor="P1"), gain=0.7),
+            SensorGain(Place(sensor="P5"), gain=1.4),
+        ),
     ],
     ids=["nothing", "friction", "a mass at the sensor", "three sensors"],
 )

@@ -1,0 +1,126 @@
+"""The shape of a force in words, from what functions of the motion predict: no kind of effect is named."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from identification.locating.courses import Course
+
+MORE, SHARE_OF_REST = 0.02, 0.3
+"""A richer function is told if it predicts this much more of the power, and this share of what is left."""
+
+ALIKE = 0.02
+"""Difference in what two quantities predict that does not tell them apart."""
+
+WHOLE = 0.8
+"""Share predicted, below which the force follows more than the motion at the moment."""
+
+UNITS = {"displacement": (1e3, "mm"), "velocity": (1e3, "mm/s"), "acceleration": (1.0, "m/s^2")}
+
+FORMS = {
+    "linear": "in proportion (linear)",
+    "hardening": "growing more than in proportion (hardening)",
+    "softening": "growing less than in proportion (softening)",
+    "saturating": "of the same size beyond {bend} (saturating)",
+    "threshold": "only beyond {bend} from the middle (a threshold, as of a stop)",
+}
+
+SIDES = {
+    "odd": "odd",
+    "even": "even: the same on both sides",
+    "lopsided": "lopsided",
+    "one side": "seen on one side only",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Facts:
+    """What was found of a force.
+
+    Attributes:
+        explained: share of its power that each quantity predicts alone.
+        chosen: quantities worth telling, the best first.
+        together: share that they predict.
+        surface: share that any function of displacement and velocity together predicts.
+        growing: share that the chosen ones predict if the force may grow with time.
+        trend: by what factor it then has grown over a record.
+        power: exponent of its size over that of the first quantity; not a number where the sizes are too much alike.
+        courses: over each chosen quantity.
+    """
+
+    explained: Mapping[str, float]
+    chosen: tuple[str, ...]
+    together: float
+    surface: float
+    growing: float
+    trend: float
+    power: float
+    courses: Mapping[str, Course]
+
+
+def is_worth(now: float, more: float) -> bool:
+    """Whether what predicts more is worth telling.
+
+    Args:
+        now: share predicted.
+        more: by a richer function.
+    """
+    return more - now > max(MORE, SHARE_OF_REST * (1.0 - now))
+
+
+def reading(facts: Facts) -> tuple[str, ...]:
+    """What a force follows, a sentence each.
+
+    Args:
+        facts: found.
+    """
+    words = [_follows(facts)]
+    if facts.together >= TELLING:
+        words += [f"over the {name}: {_course(name, facts.courses[name])}" for name in facts.chosen]
+    if is_worth(facts.together, facts.surface):
+        words.append(
+            f"displacement and velocity act together, not side by side: {facts.surface:.0%} as a function of both, as "
+            "where the resistance to motion depends on where the beam is"
+        )
+    if is_worth(facts.together, facts.growing):
+        way = "grows" if facts.trend > 1.0 else "falls"
+        words.append(
+            f"at the same motion it {way} through the record, {facts.trend:.2g} times its size at the beginning"
+        )
+    best = max(facts.together, facts.surface, facts.growing)
+    if best < WHOLE:
+        words.append(
+            f"{1.0 - best:.0%} of it is no function of the motion at the same moment: it remembers what was before, "
+            "acts elsewhere besides, or is not told from noise"
+        )
+    if np.isfinite(facts.power) and facts.together >= TELLING:
+        words.append(f"its size grows as that of the {facts.chosen[0]} to the power of {facts.power:.1f}")
+    return tuple(words)
+
+
+TELLING = 0.2
+"""Share predicted, below which a course says nothing."""
+
+
+def _follows(facts: Facts) -> str:
+    chosen, explained = facts.chosen, facts.explained
+    if facts.together < TELLING:
+        return (
+            f"it follows neither displacement nor velocity nor acceleration at the same moment ({facts.together:.0%})"
+        )
+    alone = [name for name in UNITS if name not in chosen]
+    alike = [name for name in alone if explained[chosen[0]] - explained[name] < ALIKE] if len(chosen) == 1 else []
+    if alike:
+        either = " or the ".join([chosen[0], *alike])
+        return f"it follows the {either} ({facts.together:.0%}): this motion does not part them"
+    rest = ", ".join(f"the {name} {explained[name]:.0%}" for name in alone)
+    return (
+        f"it follows the {' and the '.join(chosen)} ({facts.together:.0%}){'; by themselves ' + rest if rest else ''}"
+    )
+
+
+def _course(name: str, course: Course) -> str:
+    scale, unit = UNITS[name]
+    form = FORMS[course.form].format(bend=f"{scale * course.bend:.2g} {unit}")
+    return f"{'against' if course.against else 'along with'} it, {SIDES[course.side]}, {form}"

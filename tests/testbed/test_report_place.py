@@ -1,0 +1,73 @@
+"""The place of the missing force in the report and in diagnosis.json."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from made_up_diagnosis import made_up_diagnosis
+
+from identification.locating.located import Curve, FreedChannel, Located, PlacedForce, Shape
+from models.rig_file import read_rig
+from testbed.loop import diagnosis_json
+from testbed.report import provenance, write_report
+
+RIG = Path("tests/data/reference_rig.toml")
+WORDS = "one force at sleeve 2, 1.000 m from the clamp explains 93% of the misfit"
+
+
+def made_up_place():
+    time = np.arange(400) / 100.0
+    force = PlacedForce("sweep.csv", 100.0, 1e-3 * np.sin(time), 1e-3 * np.cos(time), -np.sin(time), np.ones(140))
+    x = np.linspace(-1e-3, 1e-3, 9)
+    names = ("displacement", "velocity", "acceleration", "time", "amplitude")
+    curves = tuple(Curve(name, x, -1e3 * x, np.full(9, 0.01)) for name in names)
+    shape = Shape((("displacement", 0.83),), ("it follows the displacement (83%)",), curves, (force,), 0.0)
+    positions = np.linspace(0.1, 1.4, 14)
+    explained, channels = np.exp(-((positions - 1.0) ** 2) / 0.02), (FreedChannel("P1", 0.1, 4.0),)
+    return Located(
+        positions, explained, channels,
+        5.0, 1.1, 1.0, (0.99, 1.01), "sleeve 2", None, 0.93, enough=True, words=WORDS, forces=(force,), shape=shape,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def diagnosis():
+    return replace(made_up_diagnosis(read_rig(RIG)), located=made_up_place())
+
+
+def test_the_json_names_place_interval_and_shape(diagnosis):
+    where = diagnosis_json(diagnosis)["where"]
+
+    place = where["place"]
+    assert (place["position"], place["interval"], place["explained"], place["enough"]) == (
+        1.0,
+        [0.99, 1.01],
+        0.93,
+        True,
+    )
+    assert place["sleeve"] == "sleeve 2"
+    assert where["shape"] == ["it follows the displacement (83%)"]
+    assert len(where["profile"]["position"]) == len(where["profile"]["explained"]) == 14
+    assert where["channels"][0] == {"sensor": "P1", "explained": 0.1}
+
+
+def test_the_report_shows_words_profile_and_shape(diagnosis, tmp_path):
+    rig = read_rig(RIG)
+
+    page = write_report(diagnosis, rig, tmp_path, provenance(RIG, [], 0, "testbed diagnose")).read_text()
+
+    assert WORDS[1:] in page
+    assert "<li>it follows the displacement (83%)</li>" in page
+    assert f"Place of the missing force: {WORDS}" in page
+
+
+def test_without_a_place_neither_speaks_of_one(tmp_path):
+    rig = read_rig(RIG)
+    bare = made_up_diagnosis(rig)
+
+    assert "place" not in diagnosis_json(bare)["where"]
+    assert (
+        "Place of the missing force"
+        not in write_report(bare, rig, tmp_path, provenance(RIG, [], 0, "testbed diagnose")).read_text()
+    )
