@@ -111,7 +111,8 @@ class TimeTarget:
             return self
         record, driven = (_of_channels(record, kept) for record in (self.record, self.driven))
         noise = replace(self.noise, sensors=self.noise.sensors[kept])
-        return TimeTarget(record, noise, self.measured[kept], self.density[kept], driven, self.carried[:, kept])
+        carried = self.carried[:, kept] if len(self.carried) else self.carried
+        return TimeTarget(record, noise, self.measured[kept], self.density[kept], driven, carried)
 
     def spectrum(self, channels: FloatArray) -> ComplexArray:
         """(n, lines) spectrum of what was simulated, as far as it is judged."""

@@ -6,7 +6,7 @@ from math import pi
 
 import numpy as np
 
-from identification.evaluate import Evaluator, Target, TimeTarget, carry_noise, shaken, whitened
+from identification.evaluate import Evaluator, Target, TimeTarget, carry_noise, whitened
 from identification.hypothesis import Hypothesis, OffsetUnknown, StartUnknown, Unknown, own_numbers
 from identification.noise import estimate_noise
 from identification.rest_target import FrfTarget, ModesTarget
@@ -23,10 +23,12 @@ DISTURBANCE = 1e-7
 PREDICTABLE_GROWTH = 300.0
 """Growth up to which a model whose numbers are off by a part in a thousand still follows its own path."""
 
-AMPLIFIED = 6.0
-"""Times the share of noise in the force that the motion may be off by it; a linear resonance gives less than 2. Beyond,
-the records hold more of the force's noise than of the rig, and as the noise is taken for steady they would hide the
-beginning, which still tells."""
+TORN = 3.0
+"""Times the sensors' noise that the force's noise may do beyond what is in proportion to it: where motions settle in
+other sleeves, a record no longer tells of the rig, and noise taken for steady would hide the beginning, which does."""
+
+LEAST_TORN = 0.02
+"""Of a channel's rms; sensors without noise would allow nothing."""
 
 DIVERGENCE_WINDOW = 0.25
 """Seconds over which growth is averaged."""
@@ -133,28 +135,33 @@ class Horizon:
     Attributes:
         record: name.
         growth: of a small disturbance over the record, relative to the disturbance.
-        seconds: until which the growth stays below ``PREDICTABLE_GROWTH`` and the force's noise below ``AMPLIFIED``.
-        amplified: largest growth of the force's noise, relative to the noise; 0 where that is not known.
+        seconds: until which the growth stays below ``PREDICTABLE_GROWTH`` and what noise tears apart below ``TORN``.
+        torn: largest rms, as a share of the channels', of what the force's noise does out of proportion.
     """
 
     record: str
     growth: float
     seconds: float
-    amplified: float = 0.0
+    torn: float = 0.0
 
 
 def horizons(evaluator: Evaluator, hypothesis: Hypothesis) -> list[Horizon]:
     """Divergence of neighbouring motions in every time record, by simulating it beside two others.
 
-    One is disturbed so little that the motions part as the tangent says, the other by noise as large as the force's, by
-    which a motion may settle in another sleeve, or just miss one.
+    One is disturbed so little that the motions part as the tangent says, two by noise as large as the force's, once
+    with the other sign: in proportion to the noise, their mean would be the motion without it.
     """
     rng = np.random.default_rng(0)
-    nearby = [replace(t, driven=_disturbed(t.driven)) for t in evaluator.timed]
-    noisy = [replace(t, driven=shaken(t.driven, t.noise.excitation, rng)) for t in evaluator.timed]
-    runs = [
-        evaluator.with_targets(targets).responses(hypothesis) for targets in (evaluator.timed, nearby, noisy) if targets
+    pushes = [
+        None if t.driven.excitation is None else t.noise.excitation * rng.standard_normal(t.driven.n_samples)
+        for t in evaluator.timed
     ]
+    runs = [evaluator.responses(hypothesis)] if evaluator.timed else []
+    disturbed = [[replace(t, driven=_disturbed(t.driven)) for t in evaluator.timed]]
+    for sign in (1.0, -1.0):
+        pairs = zip(evaluator.timed, pushes, strict=True)
+        disturbed.append([replace(t, driven=_pushed(t.driven, push, sign)) for t, push in pairs])
+    runs += [evaluator.with_targets(targets).responses(hypothesis) for targets in disturbed if targets]
     return [
         _horizon(target, *(response.channels for response in responses))
         for target, *responses in zip(evaluator.timed, *runs, strict=True)
@@ -167,16 +174,24 @@ def _disturbed(record: Record) -> Record:
     return replace(record, excitation=record.excitation * (1.0 + DISTURBANCE))
 
 
-def _horizon(target: TimeTarget, one: FloatArray, nearby: FloatArray, noisy: FloatArray) -> Horizon:
+def _pushed(record: Record, push: FloatArray | None, sign: float) -> Record:
+    if record.excitation is None or push is None:
+        return record
+    return replace(record, excitation=record.excitation + sign * push)
+
+
+def _horizon(target: TimeTarget, one: FloatArray, nearby: FloatArray, up: FloatArray, down: FloatArray) -> Horizon:
     record = target.record
     width = max(1, min(int(DIVERGENCE_WINDOW * record.fs), one.shape[1]))
     growth = _apart(one, nearby, width) / DISTURBANCE
-    force = 0.0 if record.excitation is None else float(np.std(record.excitation))
-    share = target.noise.excitation / force if force > 0.0 else 0.0
-    amplified = _apart(one, noisy, width) / share if share > 0.0 else np.zeros_like(growth)
-    beyond = np.flatnonzero((growth > PREDICTABLE_GROWTH) | _stays(amplified > AMPLIFIED))
+    torn = _apart(one, 0.5 * (up + down), width)
+    own = one.std(axis=1)
+    moves = own > 0.0
+    heard = float(np.sqrt(np.mean((target.noise.sensors[moves] / own[moves]) ** 2))) if moves.any() else 0.0
+    allowed = max(TORN * heard, LEAST_TORN)
+    beyond = np.flatnonzero((growth > PREDICTABLE_GROWTH) | _stays(torn > allowed))
     seconds = record.duration if len(beyond) == 0 else max(2, int(beyond[0])) * width / record.fs
-    return Horizon(record.name, float(growth.max()), seconds, float(amplified.max()))
+    return Horizon(record.name, float(growth.max()), seconds, float(torn.max()))
 
 
 def _stays(loud: BoolArray) -> BoolArray:

@@ -4,13 +4,16 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from identification.assess import score
 from identification.evaluate import Evaluator
 from identification.evidence import Ranked, reweighed
 from identification.fit import Fit, fit
+from identification.hypothesis import Hypothesis
 from identification.noise import Noise
 from identification.noise_left import noise_left, noise_uncovered, with_noise
 from identification.prepare import Horizon, resolved
 from identification.progress import Progress
+from identification.result import Stage
 from models.effects import Registry
 from models.simulate import Settings
 
@@ -53,6 +56,17 @@ class Session:
     seed: int
     decisions: list[str] = field(default_factory=list)
     relearnt: bool = False
+
+    def stage(self, label: str, hypothesis: Hypothesis) -> Stage:
+        """A model on the way, with its errors on whole records, told.
+
+        Args:
+            label: what to call it.
+            hypothesis: the model.
+        """
+        stage = Stage(label, hypothesis, score(self.everything, hypothesis))
+        self.progress(f"{label}: error {stage.score.nrmse:.3%}, noise floor {stage.score.noise_nrmse:.3%}")
+        return stage
 
     def decide(self, text: str) -> None:
         """Keep and tell a decision."""

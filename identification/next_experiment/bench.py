@@ -141,11 +141,18 @@ def _band(record: Record | None) -> tuple[float, float]:
     power = np.abs(np.fft.rfft(record.excitation - record.excitation.mean())) ** 2
     share = np.cumsum(power) / max(float(power.sum()), np.finfo(float).tiny)
     low, high = (float(np.searchsorted(share, edge)) / record.duration for edge in (OUTSIDE, 1.0 - OUTSIDE))
-    return max(LOWEST, low), min(high, SCORE_EDGE * record.fs)
+    if high > 2.0 * LOWEST:
+        low = max(LOWEST, low)
+    if high < NARROW * low:
+        low, high = low / NARROW, high * NARROW
+    return low, min(high, SCORE_EDGE * record.fs)
 
 
 OUTSIDE = 0.005
 """Share of the power below, and above, a band."""
+
+NARROW = 1.5
+"""Ratio of its edges below which a band holds one line, and is proposed wider."""
 
 LOWEST = 2.0
 """Hz; a shaker does no less."""

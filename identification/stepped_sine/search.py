@@ -5,12 +5,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from identification.diagnose import LATER_SHARE, LEAST_SHARE, MOST_EFFECTS, NOISE_REACHED
+from identification.acceptance import LATER_SHARE, LEAST_SHARE
+from identification.diagnose import MOST_EFFECTS
 from identification.evaluate import Evaluator, in_parallel
 from identification.evidence import LEAST_EVIDENCE, Ranked, log_fit, misfit_in_common, with_evidence
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, Unknown, effect_unknowns, own_unknowns
 from identification.progress import Progress
+from identification.rounds import NOISE_REACHED
 from identification.screen import BETWEEN, Projection
 from identification.stepped_sine.balance import Balance
 from identification.stepped_sine.record import SteppedSine

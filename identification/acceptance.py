@@ -1,0 +1,134 @@
+"""What is added, what is taken out again, and what the end is called."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from identification.calibrate import strained
+from identification.evidence import (
+    LEAST_EVIDENCE,
+    Ranked,
+    log_fit,
+    misfit_in_common,
+    misfit_of,
+    with_evidence,
+)
+from identification.fit import Fit, fit
+from identification.hypothesis import effect_unknowns
+from identification.judge import refit
+from identification.noise_left import NOISE_NEAR
+from identification.outcome import AT_REST_ONLY
+from identification.result import Verdict
+from identification.rounds import NOISE_REACHED, takes_away
+from identification.session import Session
+from identification.tangent_ties import is_linear
+
+LEAST_SHARE = 0.25
+"""An effect is added only if it takes away this share of the squared misfit beyond the noise."""
+
+LATER_SHARE = 0.6
+"""The same for further effects, unless they reach the noise: what is left may be a shape that no simple law has."""
+
+EXPLAINED_SHARE = 0.9
+"""Share of the squared misfit beyond the noise that the effects must take away, where the noise is not reached."""
+
+
+def is_enough(result: Fit) -> bool:
+    """The noise is reached; without an effect, with every number within its tolerance."""
+    return result.ratio <= NOISE_REACHED and (bool(result.hypothesis.effects) or not strained(result))
+
+
+def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | None:
+    """The fit with the best effect, refined, if it explains enough."""
+    if not ranked:
+        session.decide("no effect of the library improves the model")
+        return None
+    best = ranked[0]
+    odds = best.log_evidence - log_fit(base, misfit_in_common(ranked))
+    share = takes_away(base, best.fit)
+    name = best.effect.label()
+    least = LATER_SHARE if base.hypothesis.effects and best.fit.ratio > NOISE_NEAR else LEAST_SHARE
+    if odds < LEAST_EVIDENCE or (base.ratio > NOISE_REACHED and share < least):
+        session.decide(f"{name} is the best of the library, but takes away only {share:.0%} of the misfit: not added")
+        return None
+    session.decide(
+        f"{name} added: residual from {base.ratio:.2f} to {best.fit.ratio:.2f} times the noise, "
+        f"{min(share, 1.0):.0%} of the misfit beyond the noise; {best.effect.in_words()}"
+    )
+    if not session.everything.timed and not is_linear(best.fit.hypothesis):
+        session.decide(f"{name} is seen by its tangent at rest alone: {AT_REST_ONLY}")
+    return _refined(session, best.fit)
+
+
+def pruned(session: Session, calibrated: Fit, found: Fit) -> list[tuple[int, Fit]]:
+    """Effects that the last one has made needless, each with the fit without it, taken out one after the other."""
+    taken: list[tuple[int, Fit]] = []
+    index = 0
+    while index < len(found.hypothesis.effects) - 1:
+        less = _without(session, calibrated, found, index)
+        scale = misfit_of(found)
+        if log_fit(found, scale) - log_fit(less, scale) < LEAST_EVIDENCE:
+            gone, last = found.hypothesis.effects[index].label(), found.hypothesis.effects[-1].label()
+            session.decide(f"{gone} taken out again: beside {last} it explains nothing more")
+            taken.append((index, less))
+            found = less
+        else:
+            index += 1
+    return taken
+
+
+def _without(session: Session, calibrated: Fit, found: Fit, index: int) -> Fit:
+    """The fit again without one of its effects."""
+    effects = found.hypothesis.effects
+    hypothesis = replace(found.hypothesis, effects=(*effects[:index], *effects[index + 1 :]))
+    return fit(session.fitting, hypothesis, (*calibrated.unknowns, *effect_unknowns(hypothesis)), precise=True)
+
+
+def _refined(session: Session, result: Fit) -> Fit:
+    """The last effect described in more detail as long as the evidence grows."""
+    while True:
+        rows = [
+            Ranked(effect, result, refitted=True, log_evidence=0.0)
+            for effect in result.hypothesis.effects[-1].refined()
+        ]
+        if not rows or result.ratio <= NOISE_REACHED:
+            return result
+        base = replace(result.hypothesis, effects=result.hypothesis.effects[:-1])
+        n_shared = len([u for u in result.unknowns if getattr(u, "effect", -1) < len(base.effects)])
+        shared = replace(
+            result,
+            hypothesis=base,
+            unknowns=result.unknowns[:n_shared],
+            jacobian=result.jacobian[:n_shared],
+        )
+        fits = [refit(session.fitting, shared, row.effect, result.hypothesis.values) for row in rows]
+        now = Ranked(result.hypothesis.effects[-1], result, refitted=True, log_evidence=0.0)
+        finer = [Ranked(f.hypothesis.effects[-1], f, refitted=True, log_evidence=0.0) for f in fits if f is not None]
+        best = with_evidence([now, *finer])[0]
+        if best.fit is result:
+            return result
+        session.decide(f"{best.effect.label()} described in more detail: residual {best.fit.ratio:.2f} times the noise")
+        result = best.fit
+
+
+def verdict_of(session: Session, calibrated: Fit, final: Fit, rounds: Sequence[Sequence[Ranked]]) -> Verdict:
+    """What the end is called, decided and told.
+
+    Args:
+        session: told.
+        calibrated: the model without effects.
+        final: with all that were added.
+        rounds: effects ranked in each round.
+    """
+    if not final.hypothesis.effects:
+        if not rounds or (calibrated.ratio <= NOISE_NEAR and not strained(calibrated)):
+            motion = "" if session.everything.timed else " for small motion about rest"
+            session.decide(f"complete: the calibrated model reaches the noise{motion}")
+            return "complete"
+        session.decide("unexplained: nothing in the library explains what is left")
+        return "unexplained"
+    share = takes_away(calibrated, final)
+    if final.ratio <= NOISE_NEAR or share >= EXPLAINED_SHARE:
+        session.decide(f"missing effect found; residual {final.ratio:.2f} times the noise")
+        return "missing_effect"
+    session.decide(f"unexplained: the best of the library leaves {final.ratio:.1f} times the noise")
+    return "unexplained"

@@ -1,0 +1,156 @@
+"""The end of a diagnosis: a last fit of everything, what is left where, what was kept aside, what to measure next."""
+
+from collections.abc import Mapping, Sequence
+from time import perf_counter
+
+import numpy as np
+
+from identification.assess import score, with_starts
+from identification.calibrate import unknowns_of
+from identification.consistency.find import calibration_findings
+from identification.consistency.finding import CalibrationFinding
+from identification.evidence import (
+    Ranked,
+    log_fit,
+    misfit_in_common,
+    probabilities,
+)
+from identification.fit import Fit, fit
+from identification.hypothesis import Hypothesis, effect_unknowns
+from identification.intervals import corrected
+from identification.locating.beside import runs_beside
+from identification.locating.locate import locate
+from identification.maps import error_map
+from identification.missing_force import forces_of
+from identification.next_experiment.propose import next_experiment
+from identification.noise_left import noise_left, with_noise
+from identification.outcome import AT_REST_ONLY, added_effects, candidates_of, groups_of, rig_estimates
+from identification.prepare import cut_to, prepare
+from identification.result import Diagnosis, Score, Stage, Verdict
+from identification.session import Session
+from models.record import AnyRecord
+from models.simulate import Settings, Trace
+
+
+def one_set_of_numbers(session: Session, calibrated: Fit, verdict: Verdict) -> tuple[CalibrationFinding, ...]:
+    """What the calibrated model's numbers contradict, among the decisions where something is missing."""
+    session.progress("holding the calibrated numbers against tolerances, records, times and modes")
+    found = calibration_findings(session.fitting, calibrated, np.random.default_rng(session.seed))
+    for each in found if verdict != "complete" else ():
+        session.decide(f"calibrated model: {each.words}")
+    return found
+
+
+def concluded(
+    session: Session,
+    given: Hypothesis,
+    stages: list[Stage],
+    rounds: Sequence[Sequence[Ranked]],
+    verdict: Verdict,
+    final: Fit,
+    holdout: Sequence[AnyRecord],
+    seed: int,
+    began: float,
+) -> Diagnosis:
+    """The diagnosis, after a last fit.
+
+    Args:
+        session: records and what was decided.
+        given: the rig as its owner describes it.
+        stages: models so far.
+        rounds: effects ranked in each round.
+        verdict: what the end is called.
+        final: the model that stands.
+        holdout: records kept aside.
+        seed: of every random choice.
+        began: when the diagnosis did, s.
+    """
+    polished = _polish(session, final)
+    if stages[-1].hypothesis is not polished.hypothesis:
+        label = stages[-1].label if verdict != "unexplained" else "calibrated"
+        kept = [s for s in stages if verdict != "unexplained" or not s.hypothesis.effects]
+        stages = [*kept[:-1], session.stage(label, polished.hypothesis)]
+    if session.relearnt:
+        stages = [session.stage(stage.label, stage.hypothesis) for stage in stages]
+    calibrated = next(stage for stage in reversed(stages) if stage.label == "calibrated")
+    first = rounds[0] if rounds else []
+    chances = probabilities([r.log_evidence for r in first] + [_nothing(first, final)]) if first else []
+    later = [(ranked, probabilities([r.log_evidence for r in ranked])) for ranked in rounds[1:] if ranked]
+    session.progress("locating the force that the calibrated model lacks")
+    beside = runs_beside(session.everything, calibrated.hypothesis)
+    forces = forces_of(beside)
+    updated_maps = tuple(error_map(record) for record in stages[-1].score.records)
+    proposal = next_experiment(
+        session,
+        verdict,
+        [*([(first, chances)] if first else []), *later],
+        polished.hypothesis,
+        maps=updated_maps,
+        forces=forces,
+        kept_aside=bool(holdout),
+    )
+    return Diagnosis(
+        verdict=verdict,
+        added=added_effects(polished, rounds),
+        candidates=candidates_of(first, chances, session.fitting),
+        indistinguishable=groups_of(first, chances),
+        stages=tuple(stages),
+        holdout=_held_out(session, given, polished.hypothesis, holdout, seed),
+        rig_estimates=rig_estimates(polished),
+        where=tuple(error_map(record) for record in calibrated.score.records),
+        missing_forces=forces,
+        located=locate(session.everything, calibrated.hypothesis, beside, seed),
+        updated_maps=updated_maps,
+        traces=_traces(session, polished.hypothesis),
+        next_experiment=proposal,
+        decisions=tuple(session.decisions),
+        seconds=perf_counter() - began,
+        seed=seed,
+        findings=(
+            *(f for t in session.everything.timed for f in t.record.findings),
+            *(f"{t.record.name}: {AT_REST_ONLY}" for t in session.everything.at_rest),
+        ),
+    )
+
+
+def _nothing(first: Sequence[Ranked], final: Fit) -> float:
+    """Log evidence of "nothing more", on the scale of the round."""
+    if final.hypothesis.effects:
+        return min(r.log_evidence for r in first) - 50.0
+    return log_fit(final, misfit_in_common(first))
+
+
+def _polish(session: Session, final: Fit) -> Fit:
+    """A last fit of all that can be predicted, to the end: in a flat valley intervals are right only at its bottom."""
+    whole = cut_to(session.everything, float("inf"), session.limits)
+    unknowns = (*unknowns_of(final.hypothesis, whole), *effect_unknowns(final.hypothesis))
+    session.progress(f"last fit on all {whole.extent}")
+    last = fit(whole, final.hypothesis, unknowns, max_iterations=LAST_ITERATIONS, tolerance=0.0, precise=True)
+    return corrected(whole, last, np.random.default_rng(session.seed))
+
+
+LAST_ITERATIONS = 6
+
+
+def _held_out(
+    session: Session, given: Hypothesis, updated: Hypothesis, holdout: Sequence[AnyRecord], seed: int
+) -> Mapping[str, Score]:
+    if not holdout:
+        return {}
+    session.progress(f"predicting {len(holdout)} records kept aside")
+    rng = np.random.default_rng(seed)
+    evaluator = prepare(updated, holdout, session.everything.jobs, rng)
+    known = with_starts(evaluator, updated)
+    residual = evaluator.residuals([(known, None)])[0]
+    if residual is not None:
+        evaluator = with_noise(evaluator, noise_left(evaluator, residual), known, rng)
+    return {
+        "as given": score(evaluator, with_starts(evaluator, given)),
+        "updated": score(evaluator, known),
+    }
+
+
+def _traces(session: Session, hypothesis: Hypothesis) -> dict[str, Trace]:
+    responses = session.everything.responses(hypothesis, Settings(trace=True))
+    rows = zip(session.everything.timed, responses, strict=True)
+    return {target.record.name: response.trace for target, response in rows if response.trace is not None}

@@ -1,0 +1,90 @@
+"""One round of looking for what is missing: the measurement first, then the physics of the rig."""
+
+from dataclasses import replace
+
+from identification.calibrate import concerning
+from identification.evaluate import Evaluator
+from identification.evidence import (
+    Ranked,
+    reranked,
+)
+from identification.faults import suspicion
+from identification.fit import Fit, fit
+from identification.judge import judge, restarted
+from identification.look import View
+from identification.prepare import cut_to
+from identification.session import Session
+from identification.tangent_ties import tied
+from models.effects import Registry
+
+SCREEN_SECONDS, TIME_SECONDS = 5.0, 10.0
+"""Seconds of records that are used for the screening, and for the screening of effects in time."""
+
+NOISE_REACHED = 1.15
+"""Residual over noise up to which a model has nothing left to explain: the noise itself is known to about a tenth."""
+
+
+def look_round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
+    """Effects ranked, and a calibration without the best of them if that is better than the one so far."""
+    timed = bool(session.everything.timed)
+    lasting = {name: kind for name, kind in session.registry.items() if kind.family == "time" and timed}
+    instant = {name: kind for name, kind in session.registry.items() if kind.family != "time"}
+    searching = session.searching(base)
+    first = _view(session, searching, base, instant, SCREEN_SECONDS, 2)
+    suspected = suspicion(first.evaluator, first.there)
+    ranked: list[Ranked] = []
+    if suspected:
+        session.decide(suspected.words)
+        faults = replace(first, registry=suspected.kinds(instant), sensors=suspected.sensors)
+        ranked = judge([faults], session.fitting, base, session.progress)
+    if not (ranked and takes_away(base, ranked[0].fit) >= PLAIN_FAULT):
+        views = [replace(first, sensors=suspected.sensors if suspected.asked else None)]
+        if lasting:
+            views.append(_view(session, searching, base, lasting, TIME_SECONDS, 1))
+        ranked = judge(views, session.fitting, base, session.progress)
+    return (ranked, _recalibrated(session, base, ranked[0].fit)) if ranked else ([], None)
+
+
+PLAIN_FAULT = 0.7
+"""Share of the excess over the noise that a fault of the measurement takes away for physics not to be asked."""
+
+
+def _view(session: Session, searching: Evaluator, base: Fit, kinds: Registry, seconds: float, most: int) -> View:
+    """So many seconds of the loudest records, the quietest and those between, and the calibrated model there."""
+    evaluator = cut_to(searching, seconds, session.limits, most)
+    there = fit(evaluator, base.hypothesis, concerning(base, evaluator), max_iterations=1)
+    return View(evaluator, there, kinds)
+
+
+def takes_away(base: Fit, found: Fit) -> float:
+    """Share of the misfit beyond the noise."""
+    return (base.cost - found.cost) / max(base.cost - base.n_data, 1.0)
+
+
+def _recalibrated(session: Session, base: Fit, found: Fit) -> Fit | None:
+    """A calibration from the numbers found beside an effect, where that ends below the one so far; first by a look."""
+    if base.hypothesis.effects:
+        return None
+    without, slopes = replace(found.hypothesis, effects=()), found.jacobian[: len(base.unknowns)]
+    look = fit(session.fitting, without, base.unknowns, max_iterations=LOOK, jacobian=slopes, tolerance=LOOK_TOLERANCE)
+    if look.cost > WORTH_MORE * base.cost:
+        return None
+    again = fit(session.fitting, look.hypothesis, base.unknowns, precise=True)
+    return again if base.cost - again.cost > max(100.0, 0.02 * base.cost) else None
+
+
+LOOK, LOOK_TOLERANCE, WORTH_MORE = 5, 0.02, 1.2
+"""Iterations and tolerance of a look at another calibration; how far above the one so far it may end to be followed."""
+
+
+def with_other_starts(session: Session, base: Fit, ranked: list[Ranked]) -> list[Ranked]:
+    """The ranking after other starts were tried for the best effect, where its fit stopped above the noise."""
+    if not ranked or ranked[0].fit.ratio <= NOISE_REACHED:
+        return ranked
+    session.progress(f"{ranked[0].effect.label()}: the fit stopped above the noise; trying other starts")
+    return reranked(ranked, restarted(session.fitting, base, ranked[0].fit))
+
+
+def told_apart(session: Session, ranked: list[Ranked]) -> list[Ranked]:
+    """The ranking without differences that only larger motion could show, where none was seen."""
+    return ranked if session.everything.timed else tied(ranked)
