@@ -66,7 +66,7 @@ def pruned(session: Session, calibrated: Fit, found: Fit) -> list[tuple[int, Fit
     while index < len(found.hypothesis.effects) - 1:
         less = _without(session, calibrated, found, index)
         scale = misfit_of(found)
-        if log_fit(found, scale) - log_fit(less, scale) < LEAST_EVIDENCE:
+        if less is not None and log_fit(found, scale) - log_fit(less, scale) < LEAST_EVIDENCE:
             gone, last = found.hypothesis.effects[index].label(), found.hypothesis.effects[-1].label()
             session.decide(f"{gone} taken out again: beside {last} it explains nothing more")
             taken.append((index, less))
@@ -76,11 +76,14 @@ def pruned(session: Session, calibrated: Fit, found: Fit) -> list[tuple[int, Fit
     return taken
 
 
-def _without(session: Session, calibrated: Fit, found: Fit, index: int) -> Fit:
-    """The fit again without one of its effects."""
+def _without(session: Session, calibrated: Fit, found: Fit, index: int) -> Fit | None:
+    """The fit again without one of its effects, or None where the model needs it to stay finite."""
     effects = found.hypothesis.effects
     hypothesis = replace(found.hypothesis, effects=(*effects[:index], *effects[index + 1 :]))
-    return fit(session.fitting, hypothesis, (*calibrated.unknowns, *effect_unknowns(hypothesis)), precise=True)
+    try:
+        return fit(session.fitting, hypothesis, (*calibrated.unknowns, *effect_unknowns(hypothesis)), precise=True)
+    except ArithmeticError:
+        return None
 
 
 def _refined(session: Session, result: Fit) -> Fit:

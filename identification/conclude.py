@@ -18,8 +18,9 @@ from identification.evidence import (
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, effect_unknowns
 from identification.intervals import corrected
-from identification.locating.beside import runs_beside
+from identification.locating.beside import BesideRun, runs_beside
 from identification.locating.locate import locate
+from identification.locating.located import Located
 from identification.maps import error_map
 from identification.missing_force import forces_of
 from identification.next_experiment.propose import next_experiment
@@ -35,7 +36,11 @@ from models.simulate import Settings, Trace
 def one_set_of_numbers(session: Session, calibrated: Fit, verdict: Verdict) -> tuple[CalibrationFinding, ...]:
     """What the calibrated model's numbers contradict, among the decisions where something is missing."""
     session.progress("holding the calibrated numbers against tolerances, records, times and modes")
-    found = calibration_findings(session.fitting, calibrated, np.random.default_rng(session.seed))
+    try:
+        found = calibration_findings(session.fitting, calibrated, np.random.default_rng(session.seed))
+    except ArithmeticError as lost:
+        session.decide(f"the calibrated numbers were not held against each other: {lost}")
+        return ()
     for each in found if verdict != "complete" else ():
         session.decide(f"calibrated model: {each.words}")
     return found
@@ -76,6 +81,7 @@ def concluded(
     first = rounds[0] if rounds else []
     chances = probabilities([r.log_evidence for r in first] + [_nothing(first, final)]) if first else []
     later = [(ranked, probabilities([r.log_evidence for r in ranked])) for ranked in rounds[1:] if ranked]
+    groups = tuple(group for ranked, odds in [(first, chances), *later] for group in groups_of(ranked, odds))
     session.progress("locating the force that the calibrated model lacks")
     beside = runs_beside(session.everything, calibrated.hypothesis)
     forces = forces_of(beside)
@@ -93,13 +99,13 @@ def concluded(
         verdict=verdict,
         added=added_effects(polished, rounds),
         candidates=candidates_of(first, chances, session.fitting),
-        indistinguishable=groups_of(first, chances),
+        indistinguishable=groups if verdict == "missing_effect" else (),
         stages=tuple(stages),
         holdout=_held_out(session, given, polished.hypothesis, holdout, seed),
         rig_estimates=rig_estimates(polished),
         where=tuple(error_map(record) for record in calibrated.score.records),
         missing_forces=forces,
-        located=locate(session.everything, calibrated.hypothesis, beside, seed),
+        located=_located(session, calibrated.hypothesis, beside),
         updated_maps=updated_maps,
         traces=_traces(session, polished.hypothesis),
         next_experiment=proposal,
@@ -111,6 +117,15 @@ def concluded(
             *(f"{t.record.name}: {AT_REST_ONLY}" for t in session.everything.at_rest),
         ),
     )
+
+
+def _located(session: Session, hypothesis: Hypothesis, beside: Sequence[BesideRun]) -> Located | None:
+    """Where the missing force acts; a model that its own numbers bring down leaves the rest of the diagnosis whole."""
+    try:
+        return locate(session.everything, hypothesis, beside, session.seed)
+    except ArithmeticError as lost:
+        session.decide(f"the missing force was not located: {lost}")
+        return None
 
 
 def _nothing(first: Sequence[Ranked], final: Fit) -> float:

@@ -126,19 +126,23 @@ def log_occam(result: Fit, scale: float = 1.0) -> float:
     own = _own(result)
     if not own:
         return 0.0
-    _, volume = np.linalg.slogdet(2.0 * pi * scale * result.covariance[np.ix_(own, own)])
-    prior = sum(
-        log(PLACES if isinstance(unknown, PlaceUnknown) else _spread(unknown))
-        for unknown in (result.unknowns[i] for i in own)
-    )
-    return min(0.0, 0.5 * float(volume) - prior)
+    ranges = np.array([_range(result.unknowns[i]) for i in own])
+    # What the data do not tell is as wide as what was known beforehand, not as wide as the fit lets it run.
+    counted = np.array([result.unknowns[i].prior for i in own])
+    beforehand = np.diag(np.where(counted, 0.0, 2.0 * pi / ranges**2))
+    told = np.linalg.inv(scale * result.covariance[np.ix_(own, own)]) + beforehand
+    _, volume = np.linalg.slogdet(told / (2.0 * pi))
+    return min(0.0, -0.5 * float(volume) - float(np.log(ranges).sum()))
 
 
 PLACES = 20.0
 """Prior range of a position in its own coordinate, twentieths of the length."""
 
 
-def _spread(unknown: Unknown) -> float:
+def _range(unknown: Unknown) -> float:
+    """Width of what is known beforehand: an even one's, or that of a normal distribution as high."""
+    if isinstance(unknown, PlaceUnknown):
+        return PLACES
     if isinstance(unknown, OwnNumber):
         return unknown.about.upper - unknown.about.lower
     assert isinstance(unknown, EffectUnknown)

@@ -51,13 +51,11 @@ class Suspicion:
     Attributes:
         sensors: channels without which the others agree, the worst first.
         in_lines: all that is left stands in single lines.
-        asked: each channel was left out in turn; where there are too few, none can be acquitted.
         words: what was seen, for the report; empty where nothing was.
     """
 
     sensors: tuple[str, ...] = ()
     in_lines: bool = False
-    asked: bool = False
     words: str = ""
 
     def __bool__(self) -> bool:
@@ -77,7 +75,7 @@ class Suspicion:
         }
 
 
-NOT_ASKED, NO_SUSPICION = Suspicion(), Suspicion(asked=True)
+NO_SUSPICION = Suspicion()
 
 
 def suspicion(evaluator: Evaluator, there: Fit) -> Suspicion:
@@ -88,13 +86,13 @@ def suspicion(evaluator: Evaluator, there: Fit) -> Suspicion:
         there: the calibrated model on them.
     """
     if not evaluator.timed or evaluator.at_rest:
-        return NOT_ASKED
+        return NO_SUSPICION
     in_lines = _in_lines(evaluator, there)
     if in_lines:
         return in_lines
     names = list(dict.fromkeys(name for target in evaluator.timed for name in target.record.sensors))
     if len(names) < LEAST_SENSORS:
-        return NOT_ASKED
+        return NO_SUSPICION
     near = _left_beside(evaluator, there, names)
     window = beginning(evaluator, *WINDOW)
     rows = [near] if there.ratio < LARGE else [near, _left_in(window, there, names)]
@@ -104,7 +102,7 @@ def suspicion(evaluator: Evaluator, there: Fit) -> Suspicion:
         return NO_SUSPICION
     worst = at_fault[0]
     words = f"{worst} contradicts the other channels: without it {max(left[worst], 0.0):.0%} of the misfit is left"
-    return Suspicion(tuple(at_fault), asked=True, words=words)
+    return Suspicion(tuple(at_fault), words=words)
 
 
 def _left_beside(evaluator: Evaluator, there: Fit, names: Sequence[str]) -> dict[str, float]:
@@ -154,12 +152,12 @@ def _in_lines(evaluator: Evaluator, base: Fit) -> Suspicion:
     frequencies = lines_left(evaluator, base.hypothesis).free
     residual = evaluator.residuals([(base.hypothesis, None)])[0]
     if not frequencies or residual is None:
-        return NOT_ASKED
+        return NO_SUSPICION
     outside = np.concatenate([_outside(target, frequencies) for target in evaluator.timed])
     excess = float(residual @ residual) - len(residual)
     left = float(residual[outside] @ residual[outside]) - int(outside.sum())
     if not excess > 0.0 or left > MOSTLY * excess:
-        return NOT_ASKED
+        return NO_SUSPICION
     seen = ", ".join(f"{frequency:.4g}" for frequency in sorted(frequencies))
     words = (
         f"what is left stands in single lines at {seen} Hz: without them {max(left / excess, 0.0):.0%} of it remains"

@@ -282,11 +282,19 @@ def effect_unknowns(hypothesis: Hypothesis, *, places: bool = True) -> tuple[Unk
         ):
             unit = max(abs(float(value)), 1e-3 * about.spread)
             known = about.scale == "log"
-            unknowns.append(EffectUnknown(index, entry, about, float(value), unit, prior=known))
+            bounded = _on_beam(about, hypothesis.rig)
+            unknowns.append(EffectUnknown(index, entry, bounded, float(value), unit, about.step, prior=known))
         if places and free_place(effect) and isinstance(hypothesis.rig.structure, Beam):
             unknowns.append(PlaceUnknown(index, hypothesis.rig.structure.length))
         unknowns += own_numbers(effect, index, [name for name in hypothesis.own if _has(hypothesis, name, effect)])
     return tuple(unknowns)
+
+
+def _on_beam(about: Parameter, rig: Rig) -> Parameter:
+    """The parameter, a place along the beam bounded by its end."""
+    if not (about.on_beam and isinstance(rig.structure, Beam)):
+        return about
+    return replace(about, upper=min(about.upper, rig.structure.length))
 
 
 def _has(hypothesis: Hypothesis, record: str, effect: Effect) -> bool:

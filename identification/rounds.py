@@ -37,16 +37,12 @@ def look_round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
         session.decide(suspected.words)
         faults = replace(first, registry=suspected.kinds(instant), sensors=suspected.sensors)
         ranked = judge([faults], session.fitting, base, session.progress)
-    if not (ranked and takes_away(base, ranked[0].fit) >= PLAIN_FAULT):
-        views = [replace(first, sensors=suspected.sensors if suspected.asked else None)]
+    if not (ranked and ranked[0].fit.ratio <= NOISE_REACHED):
+        views = [first]
         if lasting:
             views.append(_view(session, searching, base, lasting, TIME_SECONDS, 1))
         ranked = judge(views, session.fitting, base, session.progress)
     return (ranked, _recalibrated(session, base, ranked[0].fit)) if ranked else ([], None)
-
-
-PLAIN_FAULT = 0.7
-"""Share of the excess over the noise that a fault of the measurement takes away for physics not to be asked."""
 
 
 def _view(session: Session, searching: Evaluator, base: Fit, kinds: Registry, seconds: float, most: int) -> View:
@@ -66,10 +62,15 @@ def _recalibrated(session: Session, base: Fit, found: Fit) -> Fit | None:
     if base.hypothesis.effects:
         return None
     without, slopes = replace(found.hypothesis, effects=()), found.jacobian[: len(base.unknowns)]
-    look = fit(session.fitting, without, base.unknowns, max_iterations=LOOK, jacobian=slopes, tolerance=LOOK_TOLERANCE)
-    if look.cost > WORTH_MORE * base.cost:
+    try:
+        look = fit(
+            session.fitting, without, base.unknowns, max_iterations=LOOK, jacobian=slopes, tolerance=LOOK_TOLERANCE
+        )
+        if look.cost > WORTH_MORE * base.cost:
+            return None
+        again = fit(session.fitting, look.hypothesis, base.unknowns, precise=True)
+    except ArithmeticError:  # beside the effect the numbers may have gone where nothing stands without it
         return None
-    again = fit(session.fitting, look.hypothesis, base.unknowns, precise=True)
     return again if base.cost - again.cost > max(100.0, 0.02 * base.cost) else None
 
 

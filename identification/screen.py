@@ -193,7 +193,7 @@ def _trials(
     for kind in kinds:
         for place in places[kind]:
             others = (effect.place for effect in base.hypothesis.effects if effect.kind == kind.kind)
-            there = any(is_same_place(place, other, rig) for other in others)
+            there = kind.unique and any(is_same_place(place, other, rig) for other in others)
             if row := [] if there else list(kind.trials(seen[place])):
                 trials[kind.kind, place] = row
     return trials

@@ -79,10 +79,10 @@ def delayed(signal: FloatArray, samples: float) -> FloatArray:
 
     Args:
         signal: (N,).
-        samples: of delay, at most ``PAD``.
+        samples: of delay, at most as many as there are.
     """
     n = len(signal)
-    pad = min(PAD, n - 1)
+    pad = min(PAD + int(samples), n - 1)
     n_fast = fft.next_fast_len(n + 2 * pad, real=True)
     turn = np.exp(-2j * np.pi * np.arange(n_fast // 2 + 1) / n_fast * min(samples, float(pad)))
     later = fft.irfft(fft.rfft(continued(signal, pad, n_fast)) * turn, n_fast)

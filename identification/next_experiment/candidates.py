@@ -150,12 +150,13 @@ def steady(
     """
     low, high = (float(f"{edge:.3g}") for edge in band)
     rms = float(f"{level * bench.level:.3g}")
-    periods = longer * round(bench.seconds / PERIOD)
+    period = round(PERIOD * bench.fs) / bench.fs  # whole samples, whatever the rate
+    periods = longer * round(bench.seconds / period)
     table: dict[str, Any] = {
-        "kind": "multisine", "low": low, "high": high, "rms": rms, "period": PERIOD, "periods": periods
+        "kind": "multisine", "low": low, "high": high, "rms": rms, "period": period, "periods": periods
     }  # fmt: skip
     words = (
-        f"a multisine of {rms:g} {_unit(bench)} rms, {_times(level)}, {low:g} to {high:g} Hz, {periods * PERIOD:g} s"
+        f"a multisine of {rms:g} {_unit(bench)} rms, {_times(level)}, {low:g} to {high:g} Hz, {periods * period:.3g} s"
     )
     return PlannedTest(words, family, table, bench.fs, costs.setting)
 
@@ -207,6 +208,8 @@ def places(bench: Bench) -> list[float]:
     for place in sorted({*known, *(sleeve.position for sleeve in bench.rig.sleeves), structure.length}):
         if all(abs(place - other) > NEAR * structure.length for other in (*apart, *([here] if here else []))):
             apart.append(place)
+    if not apart:
+        return []
     few = np.unique(np.linspace(0, len(apart) - 1, MOST_PLACES).round().astype(int))
     return [apart[i] for i in few]
 

@@ -64,13 +64,14 @@ class Question:
     def seen(self, tests: Iterable[PlannedTest]) -> Iterator[Forecast]:
         """The forecast of each test that stays within the limits and that all rivals survive."""
         for test in tests:
-            if candidates.allowed(test, self.bench, self.limits):
-                try:
-                    seen = forecast(self.bench, self.rivals, test, self.misfit, self.settings, self.jobs)
-                except (ArithmeticError, InputError):
+            try:
+                if not candidates.allowed(test, self.bench, self.limits):
                     continue
-                if seen.reach <= self.limits.reading:
-                    yield seen
+                seen = forecast(self.bench, self.rivals, test, self.misfit, self.settings, self.jobs)
+            except (ArithmeticError, InputError):
+                continue
+            if seen.reach <= self.limits.reading:
+                yield seen
 
 
 def options_of(question: Question) -> tuple[Option, ...]:

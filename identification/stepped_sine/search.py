@@ -8,7 +8,7 @@ import numpy as np
 from identification.acceptance import LATER_SHARE, LEAST_SHARE
 from identification.diagnose import MOST_EFFECTS
 from identification.evaluate import Evaluator, in_parallel
-from identification.evidence import LEAST_EVIDENCE, Ranked, log_fit, misfit_in_common, with_evidence
+from identification.evidence import LEAST_EVIDENCE, Ranked, log_fit, misfit_in_common, misfit_of, with_evidence
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, Unknown, effect_unknowns, own_unknowns
 from identification.progress import Progress
@@ -74,8 +74,24 @@ def add_effects(
         )
         progress(decisions[-1])
         added.append(found)
-        base = found.fit
+        for index in reversed(range(len(added) - 1)):
+            less = _without(evaluator, added[-1].fit, index)
+            if less is None or _speaks_for(added[-1].fit, less) >= LEAST_EVIDENCE:
+                continue
+            decisions.append(
+                f"{added[-1].fit.hypothesis.effects[index].label()} taken out again: it explains nothing more"
+            )
+            progress(decisions[-1])
+            del added[index]
+            added[-1] = replace(added[-1], fit=less)
+        base = added[-1].fit
     return added, decisions
+
+
+def _speaks_for(found: Fit, less: Fit) -> float:
+    """Logarithm of the odds of a model against one with an effect less, in units of what the better of them leaves."""
+    scale = misfit_of(min(found, less, key=lambda each: each.ratio))
+    return log_fit(found, scale) - log_fit(less, scale)
 
 
 def addition(evaluator: Evaluator, base: Fit, registry: Registry, progress: Progress) -> Addition:
@@ -122,16 +138,20 @@ def on_trial(evaluator: Evaluator, final: Fit, index: int, registry: Registry, p
         registry: kinds to try.
         progress: told what is done.
     """
-    effects = final.hypothesis.effects
-    without = replace(final.hypothesis, effects=(*effects[:index], *effects[index + 1 :]))
-    rig = tuple(unknown for unknown in final.unknowns if getattr(unknown, "effect", None) is None)
-    unknowns = (*rig, *effect_unknowns(without))
-    soft = evaluator.with_targets([t.soft() for t in evaluator.targets if isinstance(t, SteppedTarget)])
-    sketch = _tried(soft, without, unknowns, TOLERANCE)
-    base = None if sketch is None else _to_the_end(soft, evaluator, sketch)
+    base = _without(evaluator, final, index)
     if base is None:
         raise ArithmeticError("the model without the effect diverges")
     return addition(evaluator, base, registry, progress)
+
+
+def _without(evaluator: Evaluator, final: Fit, index: int) -> Fit | None:
+    """The model fitted again without one of its effects, or None where that diverges."""
+    effects = final.hypothesis.effects
+    without = replace(final.hypothesis, effects=(*effects[:index], *effects[index + 1 :]))
+    rig = tuple(unknown for unknown in final.unknowns if getattr(unknown, "effect", None) is None)
+    soft = evaluator.with_targets([t.soft() for t in evaluator.targets if isinstance(t, SteppedTarget)])
+    sketch = _tried(soft, without, (*rig, *effect_unknowns(without)), TOLERANCE)
+    return None if sketch is None else _to_the_end(soft, evaluator, sketch)
 
 
 def _in_words(hypothesis: Hypothesis) -> str:

@@ -29,7 +29,7 @@ class BaseMotion(Effect):
     )
     record_parameters: ClassVar[Mapping[str, Parameter]] = {"base_phase": PHASE}
 
-    frequency: float = parameter("f_b", "Hz", lower=0.1, upper=1e4, spread=1.0)
+    frequency: float = parameter("f_b", "Hz", lower=0.1, upper=1e4, spread=1.0, step=1e-5)
     amplitude: float = parameter("a_b", "m/s^2", lower=0.0, spread=3.0, neutral=0.0)
 
     @classmethod

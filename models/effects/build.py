@@ -36,7 +36,12 @@ def build_effect(entry: EffectEntry, rig: Rig, registry: Mapping[str, type[Effec
             f"{entry.kind} acts on {' and '.join(f'{kind}s' for kind in cls.structures)} only",
             "remove this effect or change the structure",
         )
-    return cls(place=_place(table, entry, cls, rig), **_settings(table, entry, cls))
+    settings = _settings(table, entry, cls)
+    if isinstance(rig.structure, Beam):
+        for key, about in cls.parameters().items():
+            if about.on_beam:
+                _check_on_beam(f"{table}.{key}", settings[key], rig.structure)
+    return cls(place=_place(table, entry, cls, rig), **settings)
 
 
 def entry_of(effect: Effect) -> EffectEntry:
@@ -74,13 +79,18 @@ def _place(table: str, entry: EffectEntry, cls: type[Effect], rig: Rig) -> Place
         return Place(sleeve=entry.sleeve, position=sleeve.position)
     if entry.sensor is not None:
         return Place(sensor=_named(table, "sensor", entry.sensor, rig.sensors).name)
-    if position is not None and isinstance(rig.structure, Beam) and position > rig.structure.length:
+    if position is not None and isinstance(rig.structure, Beam):
+        _check_on_beam(f"{table}.position", position, rig.structure)
+    return Place(position=position)
+
+
+def _check_on_beam(key: str, position: float, beam: Beam) -> None:
+    if position > beam.length:
         raise InputError(
-            f"{table}.position = {position:g} m",
-            f"the beam ends at {rig.structure.length:g} m",
+            f"{key} = {position:g} m",
+            f"the beam ends at {beam.length:g} m",
             "give a position between the clamp and the free end",
         )
-    return Place(position=position)
 
 
 def _rule_of_places(kind: str, allowed: tuple[str, ...], rig: Rig) -> str:

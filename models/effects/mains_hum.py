@@ -14,7 +14,7 @@ from models.effects.protocol import Effect, Family, Measurement, Parameter, Scen
 HARMONICS = (1, 3, 5)
 PHASE = Parameter("phi", "rad", lower=-pi, upper=pi, scale="linear", spread=2.0)
 LIKELY = (45.0, 65.0)
-"""Frequencies, Hz, between which a line is taken for the mains'."""
+"""Frequencies, Hz, between which a line is likely the mains'."""
 
 
 @dataclass(frozen=True)
@@ -41,9 +41,9 @@ class MainsHum(Effect):
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:
-        """At lines that the model leaves near 50 and 60 Hz, else at these; 1 % of the motion's largest acceleration."""
+        """At lines that the model leaves, those near 50 and 60 Hz first, else at these; 1 % of the acceleration."""
         size = 0.01 * scene.velocity**2 / scene.displacement
-        seen = [frequency for frequency in scene.lines if LIKELY[0] < frequency < LIKELY[1]]
+        seen = sorted(scene.lines, key=lambda frequency: not LIKELY[0] < frequency < LIKELY[1])
         for frequency in seen or (50.0, 60.0):
             yield cls(scene.place, frequency=frequency, amplitude=size)
 

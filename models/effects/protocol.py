@@ -56,6 +56,8 @@ class Parameter:
         spread: one standard deviation of the prior, in e-folds (log) or in the parameter's own unit (linear).
         fitted: False for a number that the data do not determine (a width, the times of a table).
         table: a tuple of numbers instead of one.
+        step: difference for numerical derivatives, in spreads.
+        on_beam: a place, m from the clamp, which ends with the beam.
         neutral: value at which the effect is not there, and from which its size is proportional to the distance (from
             infinity: to the inverse); None where there is no such value.
     """
@@ -69,6 +71,8 @@ class Parameter:
     fitted: bool = True
     table: bool = False
     neutral: float | None = None
+    step: float = 0.01
+    on_beam: bool = False
 
 
 def parameter(
@@ -82,10 +86,12 @@ def parameter(
     fitted: bool = True,
     table: bool = False,
     neutral: float | None = None,
+    step: float = 0.01,
+    on_beam: bool = False,
     default: Any = MISSING,
 ) -> Any:
     """A dataclass field that is a parameter of an effect (see ``Parameter``)."""
-    about = Parameter(symbol, unit, lower, upper, scale, spread, fitted, table, neutral)
+    about = Parameter(symbol, unit, lower, upper, scale, spread, fitted, table, neutral, step, on_beam)
     return field(metadata={"parameter": about}, default=default)
 
 

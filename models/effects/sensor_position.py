@@ -24,7 +24,7 @@ class SensorPosition(Effect):
         place="one channel only",
     )
 
-    position: float = parameter("x_s", "m", lower=0.0, scale="linear", spread=0.3)
+    position: float = parameter("x_s", "m", lower=0.0, scale="linear", spread=0.3, on_beam=True)
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:

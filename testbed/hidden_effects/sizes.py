@@ -26,8 +26,9 @@ LEAP, MOST_SHOWN = log(6.0), 1e4
 ROUNDS = 4
 """Steps of the calibration that stands for the diagnosis' own."""
 
-SPREAD, WIDER = 0.3, 0.7
-"""Of the random factors, in e-folds, on the numbers of a trial; the second where size is not a factor."""
+SPREAD, WIDER = 1.0, 1.5
+"""Of the random factors, in e-folds, on the numbers of a trial: hidden ones do not lie where a search begins; the
+second where size is not a factor."""
 
 
 def sized(start: Effect, imitation: Imitation, wanted: float, rng: np.random.Generator) -> tuple[Effect, float] | None:
@@ -102,9 +103,10 @@ def jittered(effect: Effect, rng: np.random.Generator, spread: float) -> Effect:
     Args:
         effect: of any kind.
         rng: draws the factors.
-        spread: standard deviation of their logarithms.
+        spread: standard deviation of their logarithms; at most what is believed beforehand of one that has a scale.
     """
     values = effect.fitted_values()
     for i, (_, about) in enumerate(effect.fitted_parameters()):
-        values[i] = np.clip(values[i] * np.exp(spread * rng.standard_normal()), about.lower, about.upper)
+        folds = min(spread, about.spread) if about.scale == "log" else spread
+        values[i] = np.clip(values[i] * np.exp(folds * rng.standard_normal()), about.lower, about.upper)
     return effect.with_fitted(values)

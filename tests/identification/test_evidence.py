@@ -3,6 +3,7 @@
 from dataclasses import replace
 from math import log, pi, sqrt
 
+import numpy as np
 import pytest
 from trial_records import fit_of
 
@@ -65,9 +66,16 @@ def test_the_occam_factor_of_a_place_and_of_a_linear_number():
     moving = fit_of(MASS, 900.0, places=True)
     gain = fit_of(SensorGain(Place(sensor="P3"), gain=0.5), 900.0)
 
-    assert log_occam(moving) == pytest.approx(log(0.01) + log(sqrt(2 * pi) * 0.01 / PLACES))
+    assert log_occam(moving) == pytest.approx(log(0.01) + log(sqrt(2 * pi) * 0.01 / PLACES), abs=1e-4)
     # The prior of a gain is 1 wide, 2 in units of the fitted 0.5.
-    assert log_occam(gain) == pytest.approx(log(0.01 / 2.0))
+    assert log_occam(gain) == pytest.approx(log(0.01 / 2.0), abs=1e-4)
+
+
+def test_a_number_that_the_data_do_not_tell_earns_nothing_for_one_that_they_do():
+    told = fit_of(MASS, 900.0, places=True)
+    untold = replace(told, covariance=np.diag([told.covariance[0, 0], 1e6]))
+
+    assert log_occam(untold) == pytest.approx(log(0.01), abs=0.01)
 
 
 def test_data_that_tell_nothing_cost_nothing():

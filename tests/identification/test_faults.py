@@ -7,7 +7,7 @@ import pytest
 from trial_records import REFERENCE, evaluator_of, measured, moved, multisine
 
 from identification.calibrate import calibrate, unknowns_of
-from identification.faults import NO_SUSPICION, NOT_ASKED, suspicion
+from identification.faults import NO_SUSPICION, suspicion
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, with_own_number
 from models.effects import EFFECTS, Place
@@ -96,7 +96,7 @@ def test_of_two_channels_none_is_outvoted():
     truth = Hypothesis(two, effects=(SensorGain(Place(sensor=two.sensors[0].name), gain=-1.0),))
     evaluator = evaluator_of(measured(truth, multisine(2048, 2)))
     there = fit(evaluator, Hypothesis(two), unknowns_of(Hypothesis(two), evaluator), max_iterations=1)
-    assert suspicion(evaluator, there) == NOT_ASKED
+    assert suspicion(evaluator, there) == NO_SUSPICION
 
 
 def test_without_a_channel_the_rest_of_a_target_stays():

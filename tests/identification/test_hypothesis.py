@@ -22,6 +22,7 @@ from models.effects.coulomb_friction import CoulombFriction
 from models.effects.point_mass import PointMass
 from models.effects.protocol import Scene
 from models.effects.sensor_gain import SensorGain
+from models.effects.sensor_position import SensorPosition
 from models.effects.squeeze_film import SqueezeFilm
 from models.effects.time_varying_damping import TimeVaryingDamping
 from models.simulate import Settings
@@ -170,3 +171,13 @@ def test_an_offset_is_taken_from_what_the_channel_reads():
 def test_the_registry_of_a_hypothesis_builds_the_effects_of_its_file():
     assert Hypothesis(REFERENCE).registry is EFFECTS
     assert Hypothesis(REFERENCE).with_effects(MASS).with_effects(GAIN).effects == (MASS, GAIN)
+
+
+def test_a_displaced_sensor_stays_on_the_beam():
+    """Beyond the free end nothing changes, and a difference taken there would call the place unknown."""
+    length = REFERENCE.structure.length
+    displaced = SensorPosition(Place(sensor="P3"), position=length)
+    hypothesis = Hypothesis(REFERENCE, effects=(displaced,))
+    (unknown,) = effect_unknowns(hypothesis)
+    beyond = unknown.set(hypothesis, 2.0 * unknown.get(hypothesis))
+    assert beyond.effects[0].position == length

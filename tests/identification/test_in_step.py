@@ -88,7 +88,7 @@ def test_a_phase_costs_its_share_of_a_turn():
     start = tried_with(evaluator, given, FLOOR)
     found = fit(evaluator, start, [u for u in own_unknowns(start) if isinstance(u, OwnNumber)])
     expected = np.sum(np.log(np.sqrt(2 * pi * np.diag(found.covariance)) / (2 * pi)))
-    assert log_occam(found) == pytest.approx(expected, abs=1e-6)  # the records' phases do not touch each other
+    assert log_occam(found) == pytest.approx(expected, abs=1e-4)  # the records' phases do not touch each other
 
 
 def test_phases_of_an_effect_of_the_rig_file_belong_to_no_hypothesis():

@@ -90,3 +90,20 @@ def test_a_blow_is_made_as_hard_as_asked_in_round_numbers():
     blow = candidates.scaled(next(iter(candidates.struck(BENCH, COSTS))), 123.4)
     assert blow.excitation["peak"] == 120.0
     assert "120 N" in blow.words
+
+
+@pytest.mark.parametrize("fs", [666.67, 610.3515625, 2048.0])
+def test_a_multisine_is_made_at_any_rate(fs):
+    bench = replace(bench_of(REFERENCE, 0.01), fs=fs)
+    for test in candidates.at_the_shaker(bench, COSTS):
+        assert candidates.allowed(test, bench, replace(LIMITS)) in (True, False)
+
+
+def test_where_all_is_at_the_shaker_there_is_nowhere_else():
+    tip = REFERENCE.structure.length
+    sensors = (REFERENCE.sensors[0].model_copy(update={"position": tip}),)
+    excitation = REFERENCE.excitation.model_copy(update={"position": tip})
+    alone = REFERENCE.model_copy(update={"sensors": sensors, "sleeves": (), "excitation": excitation})
+    bench = replace(bench_of(REFERENCE, 0.01), rig=alone)
+    assert candidates.places(bench) == []
+    assert list(candidates.elsewhere(bench, COSTS)) == []

@@ -4,7 +4,7 @@ from math import pi
 
 import numpy as np
 import pytest
-from effect_scenes import BEAM, OSCILLATOR
+from effect_scenes import BEAM, OSCILLATOR, scene_at
 
 from models.effects import Place
 from models.effects.base_motion import BaseMotion
@@ -129,3 +129,16 @@ def test_the_rig_itself_is_left_as_it_was(effect):
     plain, changed = build_plant(BEAM), build_plant(BEAM, extra=(effect,))
     for part in ("structure", "contacts", "laws"):
         assert getattr(plain, part) == getattr(changed, part)
+
+
+def test_a_delay_longer_than_the_continuation_still_shifts():
+    late = SensorDelay(Place(sensor="tip"), delay=0.4)
+    read = late.change_channels(np.stack([BURST, BURST]), MEASUREMENT)[0]
+    np.testing.assert_allclose(read[400:], BURST[: N - 400], atol=1e-9)
+
+
+def test_a_hum_is_looked_for_at_every_line_the_likely_ones_first():
+    lines = (67.2, 50.03, 16.7)
+    scene = scene_at(Place(), lines=lines)
+    assert [trial.frequency for trial in MainsHum.trials(scene)] == [50.03, 67.2, 16.7]
+    assert [trial.frequency for trial in MainsHum.trials(scene_at(Place()))] == [50.0, 60.0]
