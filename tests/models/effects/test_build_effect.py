@@ -15,7 +15,7 @@ WRONG_ON_A_BEAM = [
      'did you mean "squeeze_film"?'),
     ({"kind": "xyz"}, 'new effect.kind = "xyz"', "the library has", "choose one of them"),
     ({"kind": "sensor_position", "sensor": "tip", "position": 1.6}, "new effect.position = 1.6 m",
-     "the beam ends at 1.5 m", "between the clamp and the free end"),
+     "the beam ends at 1.5 m", "give a position between the clamp and the free end"),
     ({"kind": "squeeze_film", "damping": 1.0}, "new effect: squeeze_film with no place",
      "squeeze_film takes one sleeve", "give sleeve"),
     ({"kind": "squeeze_film", "position": 0.5, "damping": 1.0}, "new effect: squeeze_film with position = 0.5",
