@@ -78,8 +78,7 @@ def pruned(session: Session, calibrated: Fit, found: Fit) -> list[tuple[int, Fit
 
 def _without(session: Session, calibrated: Fit, found: Fit, index: int) -> Fit | None:
     """The fit again without one of its effects, or None where the model needs it to stay finite."""
-    effects = found.hypothesis.effects
-    hypothesis = replace(found.hypothesis, effects=(*effects[:index], *effects[index + 1 :]))
+    hypothesis = found.hypothesis.without_effect(index)
     try:
         return fit(session.fitting, hypothesis, (*calibrated.unknowns, *effect_unknowns(hypothesis)), precise=True)
     except ArithmeticError:

@@ -81,7 +81,8 @@ def concluded(
     first = rounds[0] if rounds else []
     chances = probabilities([r.log_evidence for r in first] + [_nothing(first, final)]) if first else []
     later = [(ranked, probabilities([r.log_evidence for r in ranked])) for ranked in rounds[1:] if ranked]
-    groups = tuple(group for ranked, odds in [(first, chances), *later] for group in groups_of(ranked, odds))
+    weighed = [(first, chances), *later] if first else later
+    groups = tuple(group for ranked, odds in weighed for group in groups_of(ranked, odds))
     session.progress("locating the force that the calibrated model lacks")
     beside = runs_beside(session.everything, calibrated.hypothesis)
     forces = forces_of(beside)
@@ -89,7 +90,7 @@ def concluded(
     proposal = next_experiment(
         session,
         verdict,
-        [*([(first, chances)] if first else []), *later],
+        weighed,
         polished.hypothesis,
         maps=updated_maps,
         forces=forces,

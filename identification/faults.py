@@ -150,9 +150,9 @@ def _starts(base: Fit) -> Iterator[Hypothesis]:
 def _in_lines(evaluator: Evaluator, base: Fit) -> Suspicion:
     """Whether all that the model leaves stands in lines that it does not explain."""
     frequencies = lines_left(evaluator, base.hypothesis).free
-    residual = evaluator.residuals([(base.hypothesis, None)])[0]
-    if not frequencies or residual is None:
+    if not frequencies:
         return NO_SUSPICION
+    residual = base.residual
     outside = np.concatenate([_outside(target, frequencies) for target in evaluator.timed])
     excess = float(residual @ residual) - len(residual)
     left = float(residual[outside] @ residual[outside]) - int(outside.sum())

@@ -73,6 +73,10 @@ class Hypothesis:
         """With more effects."""
         return replace(self, effects=(*self.effects, *effects))
 
+    def without_effect(self, index: int) -> "Hypothesis":
+        """Without one of its effects."""
+        return replace(self, effects=(*self.effects[:index], *self.effects[index + 1 :]))
+
 
 LARGEST_SIGMA = 4.0
 """A number further from the rig file than this is not a matter of tolerance: something is missing or wrong."""

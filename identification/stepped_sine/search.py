@@ -12,7 +12,7 @@ from identification.evidence import LEAST_EVIDENCE, Ranked, log_fit, misfit_in_c
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, Unknown, effect_unknowns, own_unknowns
 from identification.progress import Progress
-from identification.rounds import NOISE_REACHED
+from identification.rounds import NOISE_REACHED, takes_away
 from identification.screen import BETWEEN, Projection
 from identification.stepped_sine.balance import Balance
 from identification.stepped_sine.record import SteppedSine
@@ -120,8 +120,7 @@ def addition(evaluator: Evaluator, base: Fit, registry: Registry, progress: Prog
         raise ArithmeticError("no effect of the library leaves a steady state")
     best = ranked[0]
     odds = best.log_evidence - log_fit(base, misfit_in_common(ranked))
-    share = (base.cost - best.fit.cost) / max(base.cost - base.n_data, 1.0)
-    return Addition(tuple(ranked), best.fit, odds, share)
+    return Addition(tuple(ranked), best.fit, odds, takes_away(base, best.fit))
 
 
 def _row(found: Fit) -> Ranked:
@@ -146,8 +145,7 @@ def on_trial(evaluator: Evaluator, final: Fit, index: int, registry: Registry, p
 
 def _without(evaluator: Evaluator, final: Fit, index: int) -> Fit | None:
     """The model fitted again without one of its effects, or None where that diverges."""
-    effects = final.hypothesis.effects
-    without = replace(final.hypothesis, effects=(*effects[:index], *effects[index + 1 :]))
+    without = final.hypothesis.without_effect(index)
     rig = tuple(unknown for unknown in final.unknowns if getattr(unknown, "effect", None) is None)
     soft = evaluator.with_targets([t.soft() for t in evaluator.targets if isinstance(t, SteppedTarget)])
     sketch = _tried(soft, without, (*rig, *effect_unknowns(without)), TOLERANCE)
