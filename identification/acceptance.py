@@ -23,7 +23,8 @@ from identification.session import Session
 from identification.tangent_ties import is_linear
 
 LEAST_SHARE = 0.25
-"""An effect is added only if it takes away this share of the squared misfit beyond the noise."""
+"""An effect is added, or described in more detail, only if that takes away this share of the squared misfit beyond the
+noise, or reaches it."""
 
 LATER_SHARE = 0.6
 """The same for further effects, unless they reach the noise: what is left may be a shape that no simple law has."""
@@ -86,7 +87,7 @@ def _without(session: Session, calibrated: Fit, found: Fit, index: int) -> Fit |
 
 
 def _refined(session: Session, result: Fit) -> Fit:
-    """The last effect described in more detail as long as the evidence grows."""
+    """The last effect described in more detail as long as that tells much: a long table imitates what is not there."""
     while True:
         rows = [
             Ranked(effect, result, refitted=True, log_evidence=0.0)
@@ -106,7 +107,8 @@ def _refined(session: Session, result: Fit) -> Fit:
         now = Ranked(result.hypothesis.effects[-1], result, refitted=True, log_evidence=0.0)
         finer = [Ranked(f.hypothesis.effects[-1], f, refitted=True, log_evidence=0.0) for f in fits if f is not None]
         best = with_evidence([now, *finer])[0]
-        if best.fit is result:
+        enough = best.fit.ratio <= NOISE_REACHED or takes_away(result, best.fit) >= LEAST_SHARE
+        if best.fit is result or not enough:
             return result
         session.decide(f"{best.effect.label()} described in more detail: residual {best.fit.ratio:.2f} times the noise")
         result = best.fit

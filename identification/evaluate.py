@@ -63,6 +63,7 @@ class TimeTarget:
         measured: (n, lines) spectrum below 0.35 fs.
         density: (n, lines) noise density per line, sensors' and carried by the model from the excitation, SI^2.
         driven: what is simulated: the record, and a little of what came after it where the test went on.
+        whole: duration of the test of which this may be a beginning, s.
         carried: (n_realisations, n, N) what noise of the excitation did to the channels; a part of a record has its own
             density, since noise may grow through a record. Empty where none was carried.
     """
@@ -72,12 +73,14 @@ class TimeTarget:
     measured: ComplexArray
     density: FloatArray
     driven: Record
+    whole: float
     carried: FloatArray = field(default_factory=lambda: np.empty((0, 0, 0)), repr=False)
 
     @classmethod
     def of(cls, record: Record, noise: Noise) -> "TimeTarget":
         """With the sensors' noise alone."""
-        return cls(record, noise, scored_spectrum(record.responses), np.empty(0), record).with_noise(noise)
+        bare = cls(record, noise, scored_spectrum(record.responses), np.empty(0), record, record.duration)
+        return bare.with_noise(noise)
 
     def with_noise(self, noise: Noise) -> "TimeTarget":
         """With another noise of the sensors, and none carried from the excitation."""
@@ -102,7 +105,8 @@ class TimeTarget:
         if len(carried):
             own = self.with_noise(self.noise).density[:, line]
             density = density * (own + _density_of(carried)) / (own + _density_of(self.carried)[:, line])
-        return TimeTarget(short, self.noise, measured, density, _first(self.driven, n + AHEAD), carried)
+        driven = _first(self.driven, n + AHEAD)
+        return replace(self, record=short, measured=measured, density=density, driven=driven, carried=carried)
 
     def without(self, name: str) -> "TimeTarget":
         """Without the channel of a sensor, if it has that."""
@@ -112,7 +116,10 @@ class TimeTarget:
         record, driven = (_of_channels(record, kept) for record in (self.record, self.driven))
         noise = replace(self.noise, sensors=self.noise.sensors[kept])
         carried = self.carried[:, kept] if len(self.carried) else self.carried
-        return TimeTarget(record, noise, self.measured[kept], self.density[kept], driven, carried)
+        measured, density = self.measured[kept], self.density[kept]
+        return replace(
+            self, record=record, noise=noise, measured=measured, density=density, driven=driven, carried=carried
+        )
 
     def spectrum(self, channels: FloatArray) -> ComplexArray:
         """(n, lines) spectrum of what was simulated, as far as it is judged."""

@@ -4,7 +4,7 @@ Levenberg and Marquardt's method. The columns of the Jacobian that belong to the
 are kept from one iteration to the next, and formed anew only where a step does not bring what it promised.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -83,8 +83,8 @@ def fit(
         max_iterations: of Levenberg and Marquardt.
         jacobian: (n_kept, n_data) columns of the first unknowns, known from an earlier fit nearby.
         keep: never form the columns in ``jacobian`` anew; a quick look, not the minimum.
-        precise: end with fine differences, of which covariances and evidence can be formed; the wide ones, which find
-            the way from afar, make degenerate numbers look independent.
+        precise: go on where no step brings anything, with next to no damping, and end with differences taken where the
+            fit ends, of which covariances and evidence can be formed.
         tolerance: relative decrease of the cost that ends the fit.
 
     Raises:
@@ -99,7 +99,7 @@ def fit(
     if jacobian is not None:
         rows[:kept] = jacobian
     _differentiate(evaluator, state, unknowns, rows, range(kept, len(unknowns)))
-    fresh, fine, damping = kept == 0, False, FAR_DAMPING
+    fresh, near, damping = kept == 0, False, FAR_DAMPING
     for _ in range(max_iterations):
         new, promised, damping = _step(evaluator, state, unknowns, prior, rows, damping)
         gained = state.cost - new.cost
@@ -107,15 +107,15 @@ def fit(
             state = new
         small = gained < max(tolerance * state.cost, LEAST_GAIN)
         if small and (fresh or keep):
-            if fine or not precise:
+            if near or not precise:
                 break
-            fine, damping = True, NEAR_DAMPING
+            near, damping = True, NEAR_DAMPING
         refresh_all = not keep and (small or not POOR_SHARE < gained / max(promised, LEAST_GAIN) < 1.0 / POOR_SHARE)
-        first = 0 if refresh_all or fine else kept
-        _differentiate(evaluator, state, unknowns, rows, range(first, len(unknowns)), fine=fine)
+        first = 0 if refresh_all or near else kept
+        _differentiate(evaluator, state, unknowns, rows, range(first, len(unknowns)))
         fresh = first == 0
-    if precise and not fine:
-        _differentiate(evaluator, state, unknowns, rows, range(len(unknowns)), fine=True)
+    if precise and not near:
+        _differentiate(evaluator, state, unknowns, rows, range(len(unknowns)))
     normal = rows @ rows.T + np.diag(prior)
     chi2 = float(state.residual @ state.residual)
     return Fit(
@@ -170,25 +170,36 @@ def _differentiate(
     state: _State,
     unknowns: tuple[Unknown, ...],
     rows: FloatArray,
-    which: range,
-    *,
-    fine: bool = False,
+    which: Iterable[int],
 ) -> None:
-    """Fill rows with one-sided differences; a coordinate at its bound is moved the other way.
+    """Fill rows with differences that tell numbers apart.
 
-    Fine ones move a coordinate by what changes the residual by a small share only, as the row so far tells.
+    A coordinate is moved by what changes the residual by a small share only: where two numbers nearly imitate each
+    other, the curvature over wide differences is larger than what tells them apart, and the fit crawls. How much that
+    is the row so far tells; a first row that was far too wide is formed again.
     """
-    change = max(LEAST_CHANGE, SHARE_OF_RESIDUAL * float(np.linalg.norm(state.residual)))
+    wanted = max(LEAST_CHANGE, SHARE_OF_RESIDUAL * float(np.linalg.norm(state.residual)))
+    known = {k: float(np.linalg.norm(rows[k])) for k in which}
+    steps = {k: unknowns[k].step if norm == 0.0 else max(wanted / norm, LEAST_STEP) for k, norm in known.items()}
+    steps = {k: min(step, unknowns[k].step) for k, step in steps.items()}
+    _difference(evaluator, state, unknowns, rows, steps)
+    first = {k: float(np.linalg.norm(rows[k])) for k, norm in known.items() if norm == 0.0}
+    wide = {k: max(wanted / norm, LEAST_STEP) for k, norm in first.items() if norm * steps[k] > FAR_TOO_WIDE * wanted}
+    _difference(evaluator, state, unknowns, rows, wide)
+
+
+def _difference(
+    evaluator: Evaluator, state: _State, unknowns: tuple[Unknown, ...], rows: FloatArray, steps: Mapping[int, float]
+) -> None:
+    """Fill rows with one-sided differences over these steps; a coordinate at its bound is moved the other way."""
     moved: list[Hypothesis] = []
-    for k in which:
-        known = float(np.linalg.norm(rows[k])) if fine else 0.0
-        step = unknowns[k].step if known == 0.0 else min(max(change / known, LEAST_STEP), unknowns[k].step)
+    for k, step in steps.items():
         forward = unknowns[k].set(state.hypothesis, state.x[k] + step)
         if abs(unknowns[k].get(forward) - state.x[k]) < 0.5 * step:
             forward = unknowns[k].set(state.hypothesis, state.x[k] - step)
         moved.append(forward)
-    results = evaluator.residuals([(h, unknowns[k].record) for h, k in zip(moved, which, strict=True)])
-    for k, new, hypothesis in zip(which, results, moved, strict=True):
+    results = evaluator.residuals([(h, unknowns[k].record) for h, k in zip(moved, steps, strict=True)])
+    for k, new, hypothesis in zip(steps, results, moved, strict=True):
         change = unknowns[k].get(hypothesis) - state.x[k]
         if new is None or change == 0:
             rows[k] = 0.0
@@ -199,6 +210,9 @@ def _differentiate(
 
 LEAST_CHANGE, SHARE_OF_RESIDUAL = 3.0, 0.01
 """Norm, in standard deviations of the noise, by which a difference moves the residual: at least, and of its own."""
+
+FAR_TOO_WIDE = 10.0
+"""Times that change at which a first difference is taken again over a smaller step."""
 
 LEAST_STEP = 1e-6
 """Smallest difference, in an unknown's own coordinate; a smaller one drowns in the stepper's own tolerance."""

@@ -126,7 +126,7 @@ def scenes(evaluator: Evaluator, hypothesis: Hypothesis, places: Collection[Plac
                 )
             )
         force = max(force, _force(target.record, response, response.channels[1::2]))
-    duration = max(target.record.duration for target in evaluator.timed)
+    duration = max(target.whole for target in evaluator.timed)
     lines = lines_left(evaluator, hypothesis)
     common = _common(response.model, force or 1.0, duration)
     common = replace(common, lines=(lines.free + lines.driven)[:MOST_LINES])

@@ -54,6 +54,28 @@ class Linear:
         return [self.matrix @ [u.get(h) for u in self.unknowns] - self.right for h, _ in hypotheses]
 
 
+class Impact:
+    """The force K (q - gap)^n over a press, in units of noise: what K, n and the gap do is nearly the same (K in two e-folds, n in 0.4)."""
+
+    jobs, targets, repeats = 1, (), 1.0
+    unknowns = (Number("K", step=0.01), Number("n", step=0.01), Number("gap", -4.0, 4.0, prior=True, step=0.05))
+    press, deepest = np.linspace(0.0, 4e-4, 400), 1e5
+
+    def __init__(self, truth):
+        self.n_data = len(self.press)
+        self.unit = self.deepest / self.force(truth, 1.0).max()
+        self.measured = self.force(truth, self.unit) + np.random.default_rng(0).standard_normal(self.n_data)
+
+    def force(self, hypothesis, unit):
+        stiffness, exponent, gap = (u.get(hypothesis) for u in self.unknowns)
+        return (
+            unit * np.exp(2.0 * stiffness) * np.maximum(self.press - 5e-5 * np.exp(0.03 * gap), 0.0) ** (0.4 * exponent)
+        )
+
+    def residuals(self, hypotheses):
+        return [self.force(h, self.unit) - self.measured for h, _ in hypotheses]
+
+
 RNG = np.random.default_rng(1)
 MATRIX, RIGHT = 30.0 * RNG.standard_normal((40, 3)), 30.0 * RNG.standard_normal(40)
 NAMES = ("a", "b", "c")
@@ -203,6 +225,19 @@ def test_two_names_for_one_number_are_known_no_better_than_their_tolerance():
     tolerance = REFERENCE.tolerances["youngs_modulus"]
     std = float(found.std()[-1]) * YoungsModulus.parameters()["ratio"].spread  # its coordinate is a logarithm
     assert 0.8 * tolerance < std < 1.3 * tolerance
+
+
+@pytest.mark.parametrize("exponent", [1.5, 3.2])
+def test_numbers_that_nearly_imitate_each_other_are_told_apart(exponent):
+    """A fit that took differences over a hundredth of a spread crawled here, and ended with the gap at its bound."""
+    truth = replace(NOWHERE, values={"K": 0.0, "n": 2.4 / 0.4, "gap": 0.3})
+    start = replace(NOWHERE, values={"K": 0.5 * (2.4 - exponent) * np.log(3e-4), "n": exponent / 0.4, "gap": 0.0})
+
+    found = fit(Impact(truth), start, Impact.unknowns)
+
+    assert found.ratio < 1.1
+    assert found.hypothesis.values["n"] == pytest.approx(2.4 / 0.4, abs=4.0 * found.std()[1])
+    assert found.hypothesis.values["gap"] == pytest.approx(0.3, abs=4.0 * found.std()[2])
 
 
 def test_only_the_prior_splits_a_product_that_the_data_tell():
