@@ -55,7 +55,7 @@ class Linear:
 
 
 class Impact:
-    """The force K (q - gap)^n over a press, in units of noise: what K, n and the gap do is nearly the same (K in two e-folds, n in 0.4)."""
+    """The force K (q - gap)^n over a press: what K, in two e-folds, n, in 0.4, and the gap do is nearly the same."""
 
     jobs, targets, repeats = 1, (), 1.0
     unknowns = (Number("K", step=0.01), Number("n", step=0.01), Number("gap", -4.0, 4.0, prior=True, step=0.05))
