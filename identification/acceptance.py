@@ -18,8 +18,8 @@ from identification.judge import refit
 from identification.noise_left import NOISE_NEAR
 from identification.outcome import AT_REST_ONLY
 from identification.result import Verdict
-from identification.rounds import NOISE_REACHED, takes_away
-from identification.session import Session
+from identification.rounds import takes_away
+from identification.session import NOISE_REACHED, Session
 from identification.tangent_ties import is_linear
 
 LEAST_SHARE = 0.25
@@ -29,8 +29,12 @@ noise, or reaches it."""
 LATER_SHARE = 0.6
 """The same for further effects, unless they reach the noise: what is left may be a shape that no simple law has."""
 
-EXPLAINED_SHARE = 0.9
-"""Share of the squared misfit beyond the noise that the effects must take away, where the noise is not reached."""
+EXPLAINED_NEAR, EXPLAINED_FAR = 0.9, 0.97
+"""Share of the squared misfit beyond the noise that the effects must take away where the noise is not reached: a law
+outside the library finds an imitation in it that takes away most, the right one leaves what all models miss."""
+
+NOISE_DOUBTED = 1.25
+"""Residual over noise up to which what nothing in the library explains may be the noise estimate's own error."""
 
 
 def is_enough(result: Fit) -> bool:
@@ -124,15 +128,19 @@ def verdict_of(session: Session, calibrated: Fit, final: Fit, rounds: Sequence[S
         rounds: effects ranked in each round.
     """
     if not final.hypothesis.effects:
-        if not rounds or (calibrated.ratio <= NOISE_NEAR and not strained(calibrated)):
+        if not rounds or (calibrated.ratio <= NOISE_DOUBTED and not strained(calibrated)):
             motion = "" if session.everything.timed else " for small motion about rest"
             session.decide(f"complete: the calibrated model reaches the noise{motion}")
             return "complete"
         session.decide("unexplained: nothing in the library explains what is left")
         return "unexplained"
     share = takes_away(calibrated, final)
-    if final.ratio <= NOISE_NEAR or share >= EXPLAINED_SHARE:
+    enough = EXPLAINED_NEAR if final.ratio <= NOISE_NEAR else EXPLAINED_FAR
+    if final.ratio <= NOISE_REACHED or share >= enough:
         session.decide(f"missing effect found; residual {final.ratio:.2f} times the noise")
         return "missing_effect"
-    session.decide(f"unexplained: the best of the library leaves {final.ratio:.1f} times the noise")
+    session.decide(
+        f"unexplained: the best of the library leaves {final.ratio:.2f} times the noise and takes away {share:.0%} of "
+        f"the misfit beyond it; {enough:.0%} would be a diagnosis"
+    )
     return "unexplained"

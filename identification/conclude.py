@@ -6,7 +6,6 @@ from time import perf_counter
 import numpy as np
 
 from identification.assess import score, with_starts
-from identification.calibrate import unknowns_of
 from identification.consistency.find import calibration_findings
 from identification.consistency.finding import CalibrationFinding
 from identification.evidence import (
@@ -15,8 +14,8 @@ from identification.evidence import (
     misfit_in_common,
     probabilities,
 )
-from identification.fit import Fit, fit
-from identification.hypothesis import Hypothesis, effect_unknowns
+from identification.fit import Fit
+from identification.hypothesis import Hypothesis
 from identification.intervals import corrected
 from identification.locating.beside import BesideRun, runs_beside
 from identification.locating.locate import locate
@@ -26,7 +25,7 @@ from identification.missing_force import forces_of
 from identification.next_experiment.propose import next_experiment
 from identification.noise_left import noise_left, with_noise
 from identification.outcome import AT_REST_ONLY, added_effects, candidates_of, groups_of, rig_estimates
-from identification.prepare import cut_to, prepare
+from identification.prepare import prepare
 from identification.result import Diagnosis, Score, Stage, Verdict
 from identification.session import Session
 from models.record import AnyRecord
@@ -70,7 +69,8 @@ def concluded(
         seed: of every random choice.
         began: when the diagnosis did, s.
     """
-    polished = _polish(session, final)
+    last = session.to_the_end(final)
+    polished = corrected(session.all_predicted, last, np.random.default_rng(session.seed))
     if stages[-1].hypothesis is not polished.hypothesis:
         label = stages[-1].label if verdict != "unexplained" else "calibrated"
         kept = [s for s in stages if verdict != "unexplained" or not s.hypothesis.effects]
@@ -134,18 +134,6 @@ def _nothing(first: Sequence[Ranked], final: Fit) -> float:
     if final.hypothesis.effects:
         return min(r.log_evidence for r in first) - 50.0
     return log_fit(final, misfit_in_common(first))
-
-
-def _polish(session: Session, final: Fit) -> Fit:
-    """A last fit of all that can be predicted, to the end: in a flat valley intervals are right only at its bottom."""
-    whole = cut_to(session.everything, float("inf"), session.limits)
-    unknowns = (*unknowns_of(final.hypothesis, whole), *effect_unknowns(final.hypothesis))
-    session.progress(f"last fit on all {whole.extent}")
-    last = fit(whole, final.hypothesis, unknowns, max_iterations=LAST_ITERATIONS, tolerance=0.0, precise=True)
-    return corrected(whole, last, np.random.default_rng(session.seed))
-
-
-LAST_ITERATIONS = 6
 
 
 def _held_out(

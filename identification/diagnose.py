@@ -74,6 +74,8 @@ def diagnose(
     _carry(session, base.hypothesis, seed)
     chain, rounds = [base], []
     for _ in range(MOST_ROUNDS):
+        if is_enough(chain[-1]) and session.lengthen(chain[-1]):
+            chain = session.again(chain)
         if len(chain[-1].hypothesis.effects) >= most_effects or is_enough(chain[-1]):
             break
         ranked, better = look_round(session, chain[-1])
@@ -83,7 +85,7 @@ def diagnose(
             chain = [learnt]
             stages[-1] = session.stage("calibrated", learnt.hypothesis)
             if is_enough(learnt):
-                break
+                continue
             if learnt is not better:
                 ranked, _ = look_round(session, learnt)
         rounds.append(told_apart(session, with_other_starts(session, chain[-1], ranked)))

@@ -13,15 +13,12 @@ from identification.fit import Fit, fit
 from identification.judge import judge, restarted
 from identification.look import View
 from identification.prepare import cut_to
-from identification.session import Session
+from identification.session import NOISE_REACHED, Session
 from identification.tangent_ties import tied
 from models.effects import Registry
 
 SCREEN_SECONDS, TIME_SECONDS = 5.0, 10.0
 """Seconds of records that are used for the screening, and for the screening of effects in time."""
-
-NOISE_REACHED = 1.15
-"""Residual over noise up to which a model has nothing left to explain: the noise itself is known to about a tenth."""
 
 
 def look_round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:

@@ -1,21 +1,29 @@
 """What one diagnosis works with: records, noise and resolution, which get finer as the model gets better."""
 
 from dataclasses import dataclass, field, replace
+from math import inf
 
 import numpy as np
 
 from identification.assess import score
+from identification.calibrate import unknowns_of
 from identification.evaluate import Evaluator
 from identification.evidence import Ranked, reweighed
 from identification.fit import Fit, fit
-from identification.hypothesis import Hypothesis
+from identification.hypothesis import Hypothesis, effect_unknowns
 from identification.noise import Noise
 from identification.noise_left import noise_left, noise_uncovered, with_noise
-from identification.prepare import Horizon, resolved
+from identification.prepare import Horizon, cut_to, resolved
 from identification.progress import Progress
 from identification.result import Stage
 from models.effects import Registry
 from models.simulate import Settings
+
+NOISE_REACHED = 1.15
+"""Residual over noise up to which a model has nothing left to explain: the noise itself is known to about a tenth."""
+
+LAST_ITERATIONS = 6
+"""Of the fit of everything."""
 
 MOST_LOWERINGS = 3
 """A fit on noise taken far too high is held by the tolerances and leaves more than it would: so it is repeated."""
@@ -56,6 +64,7 @@ class Session:
     seed: int
     decisions: list[str] = field(default_factory=list)
     relearnt: bool = False
+    _ended: tuple[Fit, Fit] | None = None
 
     def stage(self, label: str, hypothesis: Hypothesis) -> Stage:
         """A model on the way, with its errors on whole records, told.
@@ -83,6 +92,41 @@ class Session:
             f"steps halved to {finer.settings.steps_per_sample} per sample: the coarser ones stood above the noise"
         )
         return fit(finer, result.hypothesis, result.unknowns, precise=True)
+
+    def to_the_end(self, result: Fit) -> Fit:
+        """A fit of everything that can be predicted: in a flat valley intervals are right only at its bottom.
+
+        Args:
+            result: on a part of the records; that of the last one asked for is kept.
+        """
+        if self._ended is None or self._ended[0] is not result:
+            whole = self.all_predicted
+            unknowns = (*unknowns_of(result.hypothesis, whole), *effect_unknowns(result.hypothesis))
+            self.progress(f"fit on all {whole.extent}")
+            ended = fit(whole, result.hypothesis, unknowns, max_iterations=LAST_ITERATIONS, tolerance=0.0, precise=True)
+            self._ended = result, ended
+        return self._ended[1]
+
+    @property
+    def all_predicted(self) -> Evaluator:
+        """All records, each as far as it can be predicted."""
+        return cut_to(self.everything, inf, self.limits)
+
+    def lengthen(self, result: Fit) -> bool:
+        """Fit on everything from now on, where the part used so far is explained and the whole is not.
+
+        Args:
+            result: that explains the part.
+        """
+        ended = self.to_the_end(result)
+        if ended.n_data <= result.n_data or ended.ratio <= NOISE_REACHED:
+            return False
+        self.decide(
+            f"{self.fitting.extent} are explained, all {self.all_predicted.extent} not: residual {ended.ratio:.2f} "
+            "times the noise; all are used from here on"
+        )
+        self.fitting = self.all_predicted
+        return True
 
     def searching(self, base: Fit) -> Evaluator:
         """All records at the resolution at which suspects are looked for: what the model misses hides coarser steps.

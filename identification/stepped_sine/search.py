@@ -12,8 +12,9 @@ from identification.evidence import LEAST_EVIDENCE, Ranked, log_fit, misfit_in_c
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, Unknown, effect_unknowns, own_unknowns
 from identification.progress import Progress
-from identification.rounds import NOISE_REACHED, takes_away
+from identification.rounds import takes_away
 from identification.screen import BETWEEN, Projection
+from identification.session import NOISE_REACHED
 from identification.stepped_sine.balance import Balance
 from identification.stepped_sine.record import SteppedSine
 from identification.stepped_sine.target import SteppedTarget

@@ -1,0 +1,68 @@
+"""What the end of a diagnosis is called: found, complete, or unexplained where an imitation is all there is."""
+
+from dataclasses import replace
+
+import pytest
+from trial_records import fit_of
+
+from identification.acceptance import verdict_of
+from identification.evidence import Ranked
+from models.effects import Place
+from models.effects.point_mass import PointMass
+
+MASS = PointMass(Place(position=0.7), mass=0.3)
+
+
+class Listener:
+    """A session that hears decisions."""
+
+    class everything:  # noqa: N801
+        timed = ("a record",)
+
+    def __init__(self):
+        self.decisions = []
+
+    def decide(self, text):
+        self.decisions.append(text)
+
+
+def fit_with_ratio(ratio, *, effect):
+    found = fit_of(MASS, 1000.0 * ratio**2)
+    return found if effect else replace(found, hypothesis=replace(found.hypothesis, effects=()), unknowns=())
+
+
+def called(calibrated, final=None, *, searched=True):
+    session = Listener()
+    base = fit_with_ratio(calibrated, effect=False)
+    end = base if final is None else fit_with_ratio(final, effect=True)
+    rounds = [[Ranked(MASS, end, refitted=True, log_evidence=0.0)]] if searched else []
+    return verdict_of(session, base, end, rounds), session.decisions[-1]
+
+
+@pytest.mark.parametrize(
+    ("calibrated", "final", "verdict"),
+    [
+        (10.0, 1.05, "missing_effect"),
+        (2.0, 1.1, "missing_effect"),
+        (9.0, 1.5, "missing_effect"),
+        (60.0, 4.0, "missing_effect"),
+        (2.2, 1.45, "unexplained"),
+        (10.0, 2.8, "unexplained"),
+        (30.0, 6.0, "unexplained"),
+    ],
+)
+def test_an_effect_is_named_where_little_is_left_of_the_misfit(calibrated, final, verdict):
+    assert called(calibrated, final)[0] == verdict
+
+
+def test_what_nothing_explains_is_complete_only_within_what_is_known_of_the_noise():
+    assert called(1.1, searched=False)[0] == "complete"
+    assert called(1.2)[0] == "complete"
+    assert called(1.4)[0] == "unexplained"
+
+
+def test_an_imitation_is_told_with_its_share():
+    _, words = called(2.2, 1.45)
+
+    assert "leaves 1.45 times the noise" in words
+    assert "takes away 71% of the misfit" in words

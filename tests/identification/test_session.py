@@ -1,0 +1,50 @@
+"""A diagnosis fits on a part of the records, and on everything where the part hides what is missing."""
+
+import numpy as np
+import pytest
+from trial_records import evaluator_of, measured, multisine, oscillator
+
+from identification.fit import fit
+from identification.hypothesis import Hypothesis, rig_unknowns
+from identification.prepare import Horizon, cut_to
+from identification.session import Session
+from models.effects import EFFECTS, Place
+from models.effects.cubic_stiffness import CubicStiffness
+
+RIG = oscillator()
+LATE = np.linspace(0.05, 1.0, 8192) ** 3
+"""The force grows: what is nonlinear shows in the later part only."""
+
+
+def session_on(truth, seconds):
+    everything = evaluator_of(measured(truth, LATE * multisine(8192, rms=200.0), name="rising"))
+    limits = [Horizon("rising", 1.0, 4.0)]
+    session = Session(everything, cut_to(everything, seconds, limits), limits, EFFECTS, lambda _: None, 0)
+    return session, fit(session.fitting, Hypothesis(RIG), rig_unknowns(RIG), precise=True)
+
+
+def test_what_only_the_end_of_a_record_shows_makes_the_whole_of_it_count():
+    truth = Hypothesis(RIG, effects=(CubicStiffness(Place(), stiffness=2e10),))
+    session, part = session_on(truth, 1.0)
+    assert part.ratio < 1.15
+
+    assert session.lengthen(part)
+
+    assert session.fitting.n_data == session.all_predicted.n_data > 3 * part.n_data
+    assert "are explained, all 4.0 s of records not" in session.decisions[-1]
+
+
+def test_a_part_is_enough_where_the_whole_is_explained_too():
+    session, part = session_on(Hypothesis(RIG), 1.0)
+
+    assert not session.lengthen(part)
+
+    assert session.fitting.n_data == part.n_data
+    assert session.decisions == []
+
+
+def test_the_last_fit_is_made_once():
+    session, part = session_on(Hypothesis(RIG), 1.0)
+
+    assert session.to_the_end(part) is session.to_the_end(part)
+    assert session.to_the_end(part).ratio == pytest.approx(1.0, abs=0.1)
