@@ -16,6 +16,7 @@ from identification.scene import is_same_place, sleeves_of
 from identification.sketch import (
     FAR_BEHIND,
     HEATS,
+    REACHED,
     TOLERANCE,
     Sketch,
     apart,
@@ -40,12 +41,14 @@ def judge(
     """All effects worth a refit, the one with the most evidence first.
 
     Args:
-        views: what to look for suspects in; kinds that act over the length of a record in one of their own.
+        views: what to look for suspects in; kinds that act over the length of a record in one of their own, which is
+            left out where another kind reaches the noise without them.
         fitting: records to refit on.
         base: the calibrated model on those.
         progress: told what is being done.
     """
     instant = next((view for view in views if not view.is_lasting), None)
+    lasting = [view for view in views if view.is_lasting]
     looks = [beside, afar] if base.ratio <= LARGE else [afar, beside]
     if base.ratio <= SMALL and not pulled(base):
         looks = [beside]
@@ -54,9 +57,9 @@ def judge(
         if number > 0:
             progress("nothing seen so far reaches the noise; looking from elsewhere")
         sketches = [] if instant is None else look(instant, base, progress)
-        if number == 0:
-            for view in views:
-                sketches += beside(view, base, progress) if view.is_lasting else []
+        if lasting and (number > 0 or not any(sketch.fit.ratio < REACHED for sketch in sketches)):
+            sketches += [sketch for view in lasting for sketch in beside(view, base, progress)]
+            lasting = []
         found = _best(sketches, FINALISTS, REFITS_PER_KIND)
         new = [sketch for sketch in found if not any(is_alike(sketch.fit, row.fit) for row in ranked)]
         more = _finals(new, fitting, base, progress)

@@ -4,9 +4,10 @@ import pytest
 from trial_records import REFERENCE, evaluator_of, fit_of, measured, multisine
 
 from identification import judge as judging
-from identification.evidence import log_occam
+from identification.evidence import Ranked, log_occam
 from identification.hypothesis import Hypothesis
-from identification.judge import LEAST_REFITS, RULED_OUT, _best, _finals
+from identification.judge import LEAST_REFITS, RULED_OUT, _best, _finals, judge
+from identification.look import View
 from identification.sketch import FAR_BEHIND, Sketch
 from models.effects import Place
 from models.effects.coulomb_friction import CoulombFriction
@@ -14,6 +15,7 @@ from models.effects.point_damping import PointDamping
 from models.effects.point_mass import PointMass
 from models.effects.point_stiffness import PointStiffness
 from models.effects.sensor_gain import SensorGain
+from models.effects.wear import Wear
 
 HERE = Place(position=0.7)
 MASS = PointMass(HERE, mass=0.3)
@@ -150,3 +152,23 @@ def test_those_that_fit_nearly_alike_are_fitted_to_the_end(refits, monkeypatch):
 
     assert asked == [("point_mass", 0.0), ("point_damping", 0.0)]
     assert [row.effect.kind for row in rows] == ["point_damping", "point_mass", "point_stiffness"]
+
+
+@pytest.mark.parametrize(("left", "looked_at"), [(1.05, [False]), (2.0, [False, True])])
+def test_kinds_in_time_are_looked_at_where_no_other_reaches_the_noise(monkeypatch, left, looked_at):
+    asked = []
+
+    def beside(view, base, progress):
+        asked.append(view.is_lasting)
+        return [sketch(MASS, 1.0 - left**2 * (1000.0 / BASE.chi2))]
+
+    def settled(finalists, fitting, base, progress):
+        return [Ranked(MASS, fit_of(MASS, 1000.0), refitted=True, log_evidence=0.0)]
+
+    monkeypatch.setattr(judging, "beside", beside)
+    monkeypatch.setattr(judging, "_finals", settled)
+    views = [View(None, BASE, {"point_mass": PointMass}), View(None, BASE, {"wear": Wear})]
+
+    judge(views, None, BASE, lambda _: None)
+
+    assert asked == looked_at
