@@ -7,7 +7,7 @@ what bends the beam at rest drifts too: that is one more known input, straight i
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import pi, sqrt
+from math import floor, log2, pi, sqrt
 
 import numpy as np
 
@@ -23,7 +23,7 @@ PHASE_ERROR = 1e-3
 """Largest phase, rad, by which the highest mode in the band is ahead or behind within a segment; at its ends it is
 right again. In lower modes it is less in proportion."""
 
-AT_ONCE = 64
+AT_ONCE = 32
 """Segments whose tables are made, and kept, together."""
 
 ROUND_OFF = 1e-9
@@ -82,7 +82,7 @@ def check_drift(rate: float, duration: float) -> None:
 
 
 def steps_of_segment(rate: float, omega: FloatArray, band: float, h: float) -> int:
-    """Steps of h, s, in a segment.
+    """Steps of h, s, in a segment: a power of 2, so that a fit which moves a number a little keeps its segments.
 
     The frequency of a mode is off by up to rate omega T / 4 at the ends of a segment of length T and right in its
     middle: the phase departs by the integral of that over half a segment, rate omega T^2 / 16, and comes back.
@@ -94,7 +94,8 @@ def steps_of_segment(rate: float, omega: FloatArray, band: float, h: float) -> i
         h: s.
     """
     highest = float(omega[omega <= 2.0 * pi * band].max(initial=float(omega.min())))
-    return max(1, int(sqrt(16.0 * PHASE_ERROR / (abs(rate) * highest)) / h))
+    longest = sqrt(16.0 * PHASE_ERROR / (abs(rate) * highest)) / h
+    return int(2.0 ** max(0, floor(log2(longest))))
 
 
 @lru_cache(maxsize=64)

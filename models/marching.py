@@ -44,7 +44,7 @@ def march_model(
         DivergenceError: a stiffness that drifts is used up.
     """
     if model.plant.structure.stiffness_rate != 0.0:
-        return _march_growing(model, drive, h, band, start, read, out, trace, tolerance)
+        return _march_drifting(model, drive, h, band, start, read, out, trace, tolerance)
     system, linear, inputs = linear_of(model, drive, h)
     state = np.zeros(len(system.from_modal)) if start is None else system.from_modal @ start
     done: int = march(
@@ -53,7 +53,7 @@ def march_model(
     return done
 
 
-def _march_growing(
+def _march_drifting(
     model: ModalModel,
     drive: Drive,
     h: float,

@@ -13,7 +13,7 @@ from models.errors import DivergenceError
 from models.fine.collocation import march
 from models.fine.course import Course, applied_force, base_motion
 from models.fine.desk import make_desk
-from models.fine.growing import Run, march_growing
+from models.fine.drifting import Run, march_drifting
 from models.fine.system import FineSystem, build_system
 from models.fine.tables import make_tables
 from models.plant import Plant
@@ -164,7 +164,7 @@ def move(
     desk = make_desk(n, n_ports, len(system.forces), n_ports + len(inputs))
     if drift != 0.0:
         run = Run(system, plant.structure, course, np.stack(inputs), items, rows, h)
-        done, taken = march_growing(run, band, desk, state, out, kept)
+        done, taken = march_drifting(run, band, desk, state, out, kept)
     else:
         tables = make_tables(system.omega, system.damping, system.port_rows, np.stack(inputs), h)
         rows = np.ascontiguousarray(rows)

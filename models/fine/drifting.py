@@ -44,7 +44,7 @@ class Run:
     h: float
 
 
-def march_growing(
+def march_drifting(
     run: Run, band: float, desk: Desk, state: FloatArray, out: FloatArray, trace: FloatArray
 ) -> tuple[int, int]:
     """March over all whole steps of the course; result as of ``collocation.march``.
