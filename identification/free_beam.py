@@ -1,5 +1,7 @@
 """The linear structure without its sleeves, from rest: frequency responses, free decays, and forced motion of a record.
 
+Where the bending stiffness drifts it is the structure of the record's start.
+
 A record starts from rest and ends in motion, so its discrete spectra do not obey y = H f. They do up to free decays:
 the response from rest is that to the force repeated forever, less the free decay of the state which the repetition has
 at the first sample. Both are exact, in the eigenvectors of x' = A x + B f, x = (modal displacement, modal velocity).

@@ -26,7 +26,7 @@ def check_live(plant: Plant, fs: float) -> None:
         fs: rate of force and channels, Hz.
 
     Raises:
-        InputError: no force, no sensor, or an effect that looks beyond a block.
+        InputError: no force, no sensor, an effect that looks beyond a block, or a stiffness that drifts.
     """
     quantity = None if plant.excitation is None else plant.excitation.quantity
     if quantity != "force":
@@ -44,6 +44,14 @@ def check_live(plant: Plant, fs: float) -> None:
                 "a live model carries what acts sample by sample; no shaken base, delay or number of a record's own",
                 "leave it out or simulate the whole record",
             )
+    if plant.structure.stiffness_rate != 0.0:
+        still = replace(plant.structure, stiffness_rate=0.0)
+        drifting = [e.label() for e in plant.effects if e.change_structure(still).stiffness_rate != 0.0]
+        raise InputError(
+            ", ".join(drifting) or f"structure.stiffness_rate = {plant.structure.stiffness_rate:g} 1/s",
+            "a live model keeps its linear structure; laws and contacts may change in time",
+            "leave it out or simulate the whole record",
+        )
 
 
 def _is_pointwise(effect: Effect, plant: Plant, fs: float) -> bool:

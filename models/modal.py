@@ -91,9 +91,26 @@ class ModalModel:
             x: (n,) m from the clamp.
         """
         assert self._matrices is not None
+        return np.array([self._matrices.row(float(position)) @ self._bent for position in x])
+
+    @cached_property
+    def bending(self) -> FloatArray:
+        """(n, n) share of the beam's own bending in the modal stiffness, 1/s^2: what a drift of E I changes."""
+        assert self._matrices is not None
+        return _tidy(self._modes.T @ self._matrices.bending @ self._modes)
+
+    @cached_property
+    def bending_at_rest(self) -> FloatArray:
+        """(n,) modal force with which the beam's own bending resists the deflection at rest."""
+        assert self._matrices is not None
+        return np.asarray(self._modes.T @ (self._matrices.bending @ self._bent))
+
+    @cached_property
+    def _bent(self) -> FloatArray:
+        """(n_ritz,) deflection at rest."""
+        assert self._matrices is not None
         load = self._matrices.weight + self.port_forces(self.rest) @ _port_rows(self._matrices, self.ports)
-        bent = solve_static(self._matrices.stiffness, load)
-        return np.array([self._matrices.row(float(position)) @ bent for position in x])
+        return solve_static(self._matrices.stiffness, load)
 
 
 @lru_cache(maxsize=64)
@@ -113,7 +130,8 @@ def build_modal(plant: Plant, band: float, n_modes: int | None = None) -> ModalM
         named.append((plant.excitation.position, 0))
     loads = tuple(sorted({(position, order) for position, order in named if position is not None}))
     kept = n_modes if n_modes is not None else modes_below(plant.structure, BAND_MARGIN * band)
-    beam = _reduced_beam(plant.structure, kept, loads)
+    # A drift begins with the record: the beam of its start is the beam without it.
+    beam = _reduced_beam(replace(plant.structure, stiffness_rate=0.0), kept, loads)
     rows = _port_rows(beam.matrices, ports)
     flexibility = rows @ solve_static(beam.matrices.stiffness, rows.T)
     plant = replace(plant, laws=_yielding(plant.laws, ports, flexibility))

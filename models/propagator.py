@@ -48,13 +48,16 @@ class Blocks:
         return np.asarray(rows @ self.to_modal[rows.shape[1] :])
 
 
-def to_blocks(omega: FloatArray, damping: FloatArray, inputs: FloatArray) -> Blocks:
-    """Blocks of q'' + C q' + omega^2 q = inputs u.
+def to_blocks(
+    omega: FloatArray, damping: FloatArray, inputs: FloatArray, stiffening: FloatArray | None = None
+) -> Blocks:
+    """Blocks of q'' + C q' + (omega^2 + stiffening) q = inputs u.
 
     Args:
         omega: (m,) rad/s.
         damping: (m, m) 1/s.
         inputs: (m, n_inputs) modal force per unit input.
+        stiffening: (m, m) what the stiffness has beside omega^2, 1/s^2; None for nothing.
 
     Raises:
         InputError: the damping merges two modes into one that cannot be separated.
@@ -62,12 +65,13 @@ def to_blocks(omega: FloatArray, damping: FloatArray, inputs: FloatArray) -> Blo
     m = len(omega)
     n = -(-m // LANES) * LANES
     blocks = np.zeros((n, 2, 2))
-    if np.count_nonzero(damping - np.diag(np.diag(damping))) == 0:
+    if stiffening is None and np.count_nonzero(damping - np.diag(np.diag(damping))) == 0:
         speed = np.where(omega > 0.0, omega, 1.0)
         blocks[:m, 0, 1], blocks[:m, 1, 0], blocks[:m, 1, 1] = speed, -(omega**2) / speed, -np.diag(damping)
         basis = np.diag(np.concatenate([np.ones(m), speed]))
     else:
-        system = np.block([[np.zeros((m, m)), np.eye(m)], [-np.diag(omega**2), -damping]])
+        stiffness = np.diag(omega**2) if stiffening is None else np.diag(omega**2) + stiffening
+        system = np.block([[np.zeros((m, m)), np.eye(m)], [-stiffness, -damping]])
         blocks[:m], basis = _real_blocks(system)
     busy = np.concatenate([np.arange(m), n + np.arange(m)])
     from_modal, to_modal = np.zeros((2 * n, 2 * m)), np.zeros((2 * m, 2 * n))

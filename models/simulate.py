@@ -10,14 +10,13 @@ from models.band_limit import STOP_EDGE, record_channels
 from models.drive import Drive, drive_of
 from models.effects.protocol import Measurement
 from models.errors import DivergenceError, InputError
+from models.marching import march_model
 from models.modal import ModalModel, build_modal
 from models.plant import Plant
 from models.ports import Port
 from models.propagator import Blocks
 from models.record import Record
 from models.rig import Sensor
-from models.step_tables import items_of, linear_of
-from models.stepping import Reading, march
 
 STEP_RATE = 6144.0
 """Steps per second at least; the reference rig then is within 0.06 % of the converged solution (docs/theory.md)."""
@@ -204,13 +203,13 @@ def _march(
 ) -> tuple[FloatArray, Trace | None]:
     """(n_sensors, M) motion read out at every step, and the trace."""
     h, n_steps = 1.0 / (factor * record.fs), record.n_samples * factor - 1
-    system, linear, inputs = linear_of(model, drive, h)
-    items = items_of(model)
-    out = np.empty((len(sensors), n_steps + 1))
-    trace = np.empty((n_steps + 1 if keep_trace else 0, 2 * len(model.ports) + len(items.port)))
-    state = np.zeros(len(system.from_modal)) if start is None else system.from_modal @ _resized(start, model.n)
-    rows = Reading.of(output_rows(model, system, sensors))
-    done = march(linear, items, inputs, drive.base_motion, state, rows, out, trace, tolerance)
+    out, n_forces = np.empty((len(sensors), n_steps + 1)), len(model.plant.laws) + len(model.plant.contacts)
+    trace = np.empty((n_steps + 1 if keep_trace else 0, 2 * len(model.ports) + n_forces))
+    state = None if start is None else _resized(start, model.n)
+    done = march_model(
+        model, drive, h, STOP_EDGE * record.fs, state, lambda system: output_rows(model, system, sensors),
+        out, trace, tolerance,
+    )  # fmt: skip
     if done < n_steps:
         raise DivergenceError(
             f"{record.name}: the motion grew without bound {done * h:.4f} s after the start; "

@@ -1,5 +1,6 @@
 """A modal model as the compiled stepper takes it: the tables of one step, and of the laws and contacts."""
 
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -16,33 +17,57 @@ from models.stepping import Items, Linear, Reading
 
 def linear_of(model: ModalModel, drive: Drive, h: float) -> tuple[Blocks, Linear, FloatArray]:
     """The linear system, a step of it as the stepper takes it, and the (n_in, M) known inputs."""
-    n_ports = len(model.ports)
     system, step = _step_of(model, h)
-    given = [(n_ports, drive.force), (n_ports + 1, drive.base)]
+    columns, signals = signals_of(model, drive)
+    q, v = (Reading.of(rows(model.port_rows)) for rows in (system.displacement, system.velocity))
+    return system, linear_with(model, step, columns, (q, v), h), np.stack(signals)
+
+
+def signals_of(model: ModalModel, drive: Drive) -> tuple[list[int], list[FloatArray]]:
+    """Which of ``input_columns`` are known beforehand, and their (M,) courses."""
+    given = enumerate((drive.force, drive.base), start=len(model.ports))
     known = [(column, signal) for column, signal in given if signal is not None]
-    columns = [column for column, _ in known]
-    linear = Linear(
+    return [column for column, _ in known], [signal for _, signal in known]
+
+
+def linear_with(
+    model: ModalModel, step: Step, columns: Sequence[int], motion: tuple[Reading, Reading], h: float
+) -> Linear:
+    """A step as the stepper takes it.
+
+    Args:
+        model: with its ports.
+        step: for the ports' forces and the known inputs.
+        columns: the inputs that act.
+        motion: q and v of the ports from the state.
+        h: s.
+    """
+    n_ports = len(model.ports)
+    return Linear(
         exponential=step.exponential,
         in_start=step.start[columns],
         in_end=step.end[columns],
         port_start=step.start[:n_ports],
         port_end=step.end[:n_ports],
-        q=Reading.of(system.displacement(model.port_rows)),
-        v=Reading.of(system.velocity(model.port_rows)),
+        q=motion[0],
+        v=motion[1],
         q_rest=model.rest.position,
         absolute=np.array([1.0 if port.frame == "ground" else 0.0 for port in model.ports]),
         h=h,
     )
-    return system, linear, np.stack([signal for _, signal in known])
+
+
+def input_columns(model: ModalModel) -> FloatArray:
+    """(n, n_ports + 2) modal force per unit of each port's force, of the excitation and of the base's acceleration."""
+    excitation = model.plant.excitation
+    place = excitation.position if excitation is not None and excitation.position is not None else None
+    return np.column_stack([*model.port_rows, model.rows(place), -model.carried])
 
 
 @lru_cache(maxsize=64)
 def _step_of(model: ModalModel, h: float) -> tuple[Blocks, Step]:
     """The linear system and a step of it, for the ports' forces, the excitation and the base, kept for more records."""
-    excitation = model.plant.excitation
-    place = excitation.position if excitation is not None and excitation.position is not None else None
-    inputs = np.column_stack([*model.port_rows, model.rows(place), -model.carried])
-    system = to_blocks(model.omega, model.damping, inputs)
+    system = to_blocks(model.omega, model.damping, input_columns(model))
     return system, exact_step(system, h)
 
 

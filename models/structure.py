@@ -63,6 +63,8 @@ class Structure:
         masses, springs, dashpots: (position, kg | N/m | N s/m) of points attached.
         hinges: local losses of bending stiffness.
         absorbers: attached oscillators.
+        stiffness_rate: growth of the bending stiffness, 1/s: E I (1 + stiffness_rate t), t from each record's start;
+            what the material's viscosity takes follows. Everything at rest is that of the start.
     """
 
     length: float
@@ -80,6 +82,7 @@ class Structure:
     dashpots: tuple[tuple[float | None, float], ...] = ()
     hinges: tuple[Hinge, ...] = ()
     absorbers: tuple[Absorber, ...] = ()
+    stiffness_rate: float = 0.0
 
     @classmethod
     def of(cls, owner: Beam | Oscillator) -> Self:
@@ -105,6 +108,11 @@ class Structure:
     def viscosity(self) -> float:
         """Of the material, s: stress from strain rate over stress from strain; 0 where a loss factor replaces it."""
         return 0.0 if self.loss_factor is not None else self.damping_scale * self.rayleigh[1]
+
+    def at(self, time: float) -> Self:
+        """As it is some time after the record's start, s, and stays."""
+        grown = self.bending_stiffness * (1.0 + self.stiffness_rate * time)
+        return replace(self, bending_stiffness=grown, stiffness_rate=0.0)
 
     def with_mass(self, position: float | None, mass: float) -> Self:
         """With a point mass, kg, that moves with the structure."""

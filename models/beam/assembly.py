@@ -39,6 +39,14 @@ class BeamMatrices:
         shape = shape / sqrt(self.structure.line_mass * length)
         return np.concatenate([shape, np.zeros(len(self.structure.absorbers))])
 
+    @property
+    def bending(self) -> FloatArray:
+        """(n, n) share of the beam's own bending in the stiffness: what grows with E I."""
+        structure, n_shapes = self.structure, len(self.basis.resultant)
+        share = np.zeros_like(self.stiffness)
+        share[:n_shapes, :n_shapes] = self.basis.stiffness
+        return share * (structure.bending_stiffness / (structure.line_mass * structure.length**4))
+
 
 def assemble_beam(structure: Structure, n_modes: int, loads: tuple[float, ...]) -> BeamMatrices:
     """Ritz matrices with ``n_modes`` clamped-free modes and the static shapes of all places where forces act.

@@ -1,16 +1,11 @@
 """A beam that grows softer or stiffer during the record."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
 from models.effects.protocol import Effect, Family, Scene, Signature, parameter
-from models.ports import Contact, PointLaw, Port
-from models.spread import along
 from models.structure import Structure
-
-N_POINTS = 20
-"""Places along the beam at which its curvature is read: the first six natural frequencies move alike to 1e-3."""
 
 
 @dataclass(frozen=True)
@@ -37,23 +32,9 @@ class StiffnessDrift(Effect):
         for change in (0.003, -0.003, 0.03, -0.03):
             yield cls(scene.place, rate=change / scene.duration)
 
-    @staticmethod
-    def force(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004
-        """Force on the curvature q, N m^2, with p = (rate times E I times the stretch, eta2)."""
-        return -p[0] * t * (q + p[1] * v)
-
-    def point_laws(self, contact: Contact | None, structure: Structure) -> tuple[PointLaw, ...]:  # noqa: ARG002
-        """What the change of stiffness does at each Gauss point's curvature."""
-        growth = self.rate * structure.bending_stiffness
-        return tuple(
-            PointLaw(
-                Port(x, derivative=2, spread=True),
-                self.force,
-                (growth * stretch, structure.viscosity),
-                owner=self.label(),
-            )
-            for x, stretch in along(structure.length, N_POINTS)
-        )
+    def change_structure(self, structure: Structure) -> Structure:
+        """The beam whose stiffness grows."""
+        return replace(structure, stiffness_rate=structure.stiffness_rate + self.rate)
 
     def in_words(self) -> str:
         """When it acts and what it does."""

@@ -219,8 +219,10 @@ def march(
     out_rows: FloatArray,
     out: FloatArray,
     trace: FloatArray,
+    first: int,
+    last: int,
 ) -> tuple[int, int]:
-    """March over all whole steps of the course and read out after each.
+    """March over whole steps of the course and read out after each; after the first of all, on from the desk as left.
 
     Args:
         desk: room from ``make_desk``.
@@ -231,14 +233,16 @@ def march(
         out_rows: (n_out, 2n) what is read.
         out: (M, n_out) is filled.
         trace: (M, 3, n_ports) is filled with q, v and force of the ports; (0, 3, n_ports) for none.
+        first: whole steps done before.
+        last: whole steps done when it ends; M - 1 for all.
 
     Returns:
-        whole steps done, fewer than M - 1 where the motion left the finite numbers, and steps of any size taken.
+        whole steps done, fewer than ``last`` where the motion left the finite numbers, and steps of any size taken.
     """
     taken = 0
     for k in range(state.shape[0]):
         desk.new[k] = state[k]
-    for at in range(out.shape[0]):
+    for at in range(first + 1 if first > 0 else 0, last + 1):
         if at == 0:
             arrive(desk, tables, course, items, at, at, 0.0)
             settle(desk, items, 0.0)
@@ -250,4 +254,4 @@ def march(
             taken += 1
         if not read_out(desk, out_rows, out, trace, at):
             return at, taken
-    return out.shape[0] - 1, taken
+    return last, taken

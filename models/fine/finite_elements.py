@@ -30,6 +30,7 @@ class FiniteElements:
         dofs: (n_elements, 4) deflection and slope at the left, then at the right end; -1 where the clamp holds it. A
             hinge gives its node a slope on each side.
         mass, stiffness: (n, n), SI.
+        bending: (n, n) share of the beam's own bending in the stiffness: what grows with E I.
         carried: (n,) inertia against an acceleration of the base, kg.
     """
 
@@ -38,6 +39,7 @@ class FiniteElements:
     dofs: IntArray
     mass: FloatArray = field(repr=False)
     stiffness: FloatArray = field(repr=False)
+    bending: FloatArray = field(repr=False)
     carried: FloatArray = field(repr=False)
 
     def row(self, position: float, derivative: int = 0) -> FloatArray:
@@ -83,14 +85,15 @@ def assemble(structure: Structure, nodes: FloatArray) -> FiniteElements:
     hinged = {int(np.argmin(np.abs(nodes - hinge.position))): hinge.flexibility for hinge in structure.hinges}
     hinged.pop(len(nodes) - 1, None)  # beyond the free end nothing bends
     dofs, joints, n = _number(len(nodes), set(hinged), turns=structure.clamp_stiffness < inf)
-    mass, stiffness, carried = np.zeros((n, n)), np.zeros((n, n)), np.zeros(n)
+    (mass, stiffness, bending), carried = np.zeros((3, n, n)), np.zeros(n)
     for element, h in zip(dofs, np.diff(nodes), strict=True):
         held = element >= 0
         own, at = element[held], np.ix_(element[held], element[held])
         element_mass = structure.line_mass * h / 420.0 * _mass_shape(h)
-        stretch = structure.bending_stiffness / h**3 * _bending_shape(h)
-        stretch += structure.axial_force / (30.0 * h) * _axial_shape(h)
+        bent = structure.bending_stiffness / h**3 * _bending_shape(h)
+        stretch = bent + structure.axial_force / (30.0 * h) * _axial_shape(h)
         mass[at] += element_mass[np.ix_(held, held)]
+        bending[at] += bent[np.ix_(held, held)]
         stiffness[at] += stretch[np.ix_(held, held)]
         carried[own] += (element_mass @ np.array([1.0, 0.0, 1.0, 0.0]))[held]
     if structure.clamp_stiffness < inf:
@@ -105,7 +108,7 @@ def assemble(structure: Structure, nodes: FloatArray) -> FiniteElements:
         row = _row(nodes, dofs, n, position or 0.0, 0)
         mass += point_mass * np.outer(row, row)
         carried += point_mass * row
-    return FiniteElements(structure, nodes, dofs, mass, stiffness, carried)
+    return FiniteElements(structure, nodes, dofs, mass, stiffness, bending, carried)
 
 
 def _number(n_nodes: int, hinged: set[int], *, turns: bool) -> tuple[IntArray, dict[int, tuple[int, int]], int]:

@@ -2,16 +2,18 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import inf
 
 import numpy as np
 
 from models.arrays import FloatArray
-from models.band_limit import record_channels
+from models.band_limit import STOP_EDGE, record_channels
 from models.effects.protocol import Measurement
 from models.errors import DivergenceError
 from models.fine.collocation import march
 from models.fine.course import Course, applied_force, base_motion
 from models.fine.desk import make_desk
+from models.fine.drifting import Run, march_drifting
 from models.fine.system import FineSystem, build_system
 from models.fine.tables import make_tables
 from models.plant import Plant
@@ -87,7 +89,8 @@ def fine_response(
     force = applied_force(plant, excitation, fs, factor)
     base = base_motion(plant, excitation, fs, factor, settings.free)
     rows = np.stack([_sensor_row(system, sensor) for sensor in plant.sensors])
-    motion = move(system, plant, force, base, 1.0 / (fs * factor), rows, bend_tolerance=settings.bend_tolerance)
+    h, bend = 1.0 / (fs * factor), settings.bend_tolerance
+    motion = move(system, plant, force, base, h, rows, bend_tolerance=bend, band=STOP_EDGE * fs)
     order = np.array([1.0 if sensor.quantity == "acceleration" else 0.0 for sensor in plant.sensors])
     channels = record_channels(motion.out, factor, len(excitation), fs, order)
     if base.shape[1]:
@@ -112,6 +115,7 @@ def move(
     bend_tolerance: float = 0.01,
     start: FloatArray | None = None,
     trace: bool = False,
+    band: float = inf,
 ) -> Motion:
     """March a system through a given course.
 
@@ -125,6 +129,7 @@ def move(
         bend_tolerance: see ``FineSettings``.
         start: (2n,) state to start from, about the state at rest; at rest by default.
         trace: keep the motion of the ports.
+        band: highest frequency of interest, Hz, to which the segments of a stiffness that drifts are short enough.
 
     Raises:
         DivergenceError: the motion left the finite numbers.
@@ -139,6 +144,10 @@ def move(
     scale = float(np.abs(held).sum() + np.abs(force[0]).max())
     if base.shape[1]:
         scale += float(system.carried @ system.carried * np.abs(base[2]).max())
+    drift = plant.structure.stiffness_rate
+    if drift != 0.0:
+        inputs.append(-system.bending_at_rest)
+        known.append(np.stack([drift * h * np.arange(force.shape[1]), np.full(force.shape[1], drift)]))
     course = Course(
         inputs=np.stack([pair[0] for pair in known]),
         slopes=np.stack([pair[1] for pair in known]),
@@ -150,11 +159,16 @@ def move(
         bend_tolerance=bend_tolerance * scale or bend_tolerance,
     )
     items = compile_items(system.forces, system.ports)
-    tables = make_tables(system.omega, system.damping, system.port_rows, np.stack(inputs), h)
     state = np.zeros(2 * n) if start is None else start.copy()
     out, kept = np.empty((force.shape[1], len(rows))), np.empty((force.shape[1] if trace else 0, 3, n_ports))
-    desk = make_desk(n, n_ports, len(system.forces), len(tables.sources))
-    done, taken = march(desk, tables, course, items, state, np.ascontiguousarray(rows), out, kept)
+    desk = make_desk(n, n_ports, len(system.forces), n_ports + len(inputs))
+    if drift != 0.0:
+        run = Run(system, plant.structure, course, np.stack(inputs), items, rows, h)
+        done, taken = march_drifting(run, band, desk, state, out, kept)
+    else:
+        tables = make_tables(system.omega, system.damping, system.port_rows, np.stack(inputs), h)
+        rows = np.ascontiguousarray(rows)
+        done, taken = march(desk, tables, course, items, state, rows, out, kept, 0, len(out) - 1)
     if done < len(out) - 1:
         raise DivergenceError(
             f"the motion grew without bound {done * h:.4f} s after the start; a passive structure stays finite; "

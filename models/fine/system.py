@@ -1,6 +1,7 @@
 """The plant in the modes of its finite elements, none left out, with a port for every point force."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import sqrt
 
 import numpy as np
@@ -40,6 +41,20 @@ class FineSystem:
     def row(self, position: float | None, derivative: int = 0) -> FloatArray:
         """(n,) deflection, slope or curvature at a place, m from the clamp, by coordinate."""
         return _row(self.elements, self.carried, position, derivative)
+
+    @cached_property
+    def bending(self) -> FloatArray:
+        """(n_beam, n_beam) share of the beam's own bending in omega^2, without the absorbers' masses."""
+        assert self.elements is not None
+        shapes = self.elements.modes[1]
+        return np.asarray(shapes.T @ self.elements.bending @ shapes)
+
+    @property
+    def bending_at_rest(self) -> FloatArray:
+        """(n,) generalised force with which the beam's own bending resists the deflection at rest."""
+        force, n = np.zeros(len(self.omega)), len(self.bending)
+        force[:n] = self.bending @ self.rest[:n]
+        return force
 
     def forces_at_rest(self) -> FloatArray:
         """(n_ports,) forces on the structure at rest, N."""

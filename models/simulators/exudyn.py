@@ -40,7 +40,7 @@ class Exudyn(Simulator):
     source: ClassVar[str] = "J. Gerstmayr, Multibody Syst. Dyn. 60 (2024) 135; J. Gerstmayr, A. A. Shabana (2006)"
 
     def cannot_carry(self, plant: Plant, resolution: Resolution) -> tuple[str, ...]:
-        """An oscillator, an axial load, hinges of damage, one loss factor for all modes, laws on curvature.
+        """An oscillator, an axial load, hinges, one loss factor for all modes, a drift of stiffness, laws on curvature.
 
         Nor rotary inertia, which cables do not have, nor a contact of its own.
         """

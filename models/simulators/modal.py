@@ -11,6 +11,7 @@ from models.band_limit import STOP_EDGE
 from models.drive import Drive, true_drive
 from models.errors import DivergenceError, InputError
 from models.linear import linearised, sensor_rows
+from models.marching import march_model
 from models.modal import ModalModel, build_modal
 from models.plant import Plant
 from models.rest import find_rest
@@ -18,8 +19,7 @@ from models.simulate import FORCE_TOLERANCE, load_of, steps_per_sample
 from models.simulators.driving import at_place, driven
 from models.simulators.protocol import EnergyBalance, Hold, Motion, Resolution, Simulator, Trial, of_the_chain
 from models.simulators.recorded import Steps, recorded
-from models.step_tables import items_of, linear_of
-from models.stepping import Reading, march
+from models.step_tables import items_of
 
 
 class Modal(Simulator):
@@ -71,7 +71,7 @@ class _Traced:
 def _moved(model: ModalModel, trial: Trial, factor: int, tolerance: float) -> Steps:
     plant, h = model.plant, 1.0 / (trial.fs * factor)
     drive = true_drive(trial.excitation, trial.fs, plant, factor, trial.free)
-    traced = _marched(model, drive, trial.hold, h, tolerance)
+    traced = _marched(model, drive, trial, factor, tolerance)
     force, base = driven(plant, trial, factor)
     at_force = model.rows(None if plant.excitation is None else plant.excitation.position)
     power = force * (at_force @ traced.v)
@@ -84,6 +84,8 @@ def _moved(model: ModalModel, trial: Trial, factor: int, tolerance: float) -> St
         moved, speed = moved - absolute[:, None] * base[0], speed - absolute[:, None] * base[1]
     stored = 0.5 * np.sum(traced.v**2 + (model.omega[:, None] * traced.q) ** 2, axis=0)
     at, loss = slice(None, None, factor), np.asarray(-np.sum(traced.forces * speed, axis=0), float)
+    if plant.structure.stiffness_rate != 0.0:
+        loss += plant.structure.stiffness_rate * h * np.arange(len(loss)) * _resisted(model, traced)
     return Steps(
         read=sensor_rows(model, plant.sensors) @ traced.q,
         motion=traced.place,
@@ -97,14 +99,24 @@ def _moved(model: ModalModel, trial: Trial, factor: int, tolerance: float) -> St
     )
 
 
-def _marched(model: ModalModel, drive: Drive, hold: Hold | None, h: float, tolerance: float) -> _Traced:
-    system, linear, inputs = linear_of(model, drive, h)
-    items, n_ports, n, m = items_of(model), len(model.ports), model.n, inputs.shape[1]
-    out, trace = np.empty((2 * n, m)), np.empty((m, 2 * n_ports + len(items.port)))
-    reading = Reading.of(np.vstack([system.displacement(np.eye(n)), system.velocity(np.eye(n))]))
+def _resisted(model: ModalModel, traced: _Traced) -> FloatArray:
+    """(M,) power that the beam's own bending takes, were it twice as stiff, beyond what it takes at the start, W."""
+    strained = model.bending @ (traced.q + model.plant.structure.viscosity * traced.v)
+    return np.asarray(np.sum(traced.v * (strained + model.bending_at_rest[:, None]), axis=0))
+
+
+def _marched(model: ModalModel, drive: Drive, trial: Trial, factor: int, tolerance: float) -> _Traced:
+    n_ports, n, n_samples, hold = len(model.ports), model.n, trial.n_samples * factor, trial.hold
+    h = 1.0 / (trial.fs * factor)
+    out = np.empty((2 * n, n_samples))
+    trace = np.empty((n_samples, 2 * n_ports + len(model.plant.laws) + len(model.plant.contacts)))
     start = np.zeros(2 * n) if hold is None else np.append(held(model, hold), np.zeros(n))
-    done = march(linear, items, inputs, drive.base_motion, system.from_modal @ start, reading, out, trace, tolerance)
-    if done < m - 1:
+    done = march_model(
+        model, drive, h, STOP_EDGE * trial.fs, start,
+        lambda system: np.vstack([system.displacement(np.eye(n)), system.velocity(np.eye(n))]),
+        out, trace, tolerance,
+    )  # fmt: skip
+    if done < n_samples - 1:
         raise DivergenceError(
             f"modal: the motion grew without bound {done * h:.4f} s after the start; "
             "a passive structure stays finite; look for a negative stiffness or damping among the effects"

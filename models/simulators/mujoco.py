@@ -46,7 +46,7 @@ class Mujoco(Simulator):
     source: ClassVar[str] = "E. Todorov, T. Erez, Y. Tassa, IROS (2012) 5026; docs/theory.md, section 7"
 
     def cannot_carry(self, plant: Plant, resolution: Resolution) -> tuple[str, ...]:
-        """An oscillator, an axial load, hinges of damage, one loss factor for all modes, and laws on curvature.
+        """An oscillator, an axial load, hinges, one loss factor for all modes, a drift of stiffness, laws on curvature.
 
         In space, neither laws that know the plane only nor the engine's own contact between planes.
         """

@@ -147,6 +147,7 @@ def beam_limits(plant: Plant, resolution: Resolution) -> tuple[str, ...]:
         "an axial load": structure.axial_force != 0.0,
         "a local loss of stiffness": bool(structure.hinges),
         "one loss factor for all modes": structure.loss_factor is not None,
+        "stiffness_drift, a bending stiffness that changes in time": structure.stiffness_rate != 0.0,
         "a law on curvature": any(law.port.derivative > 1 for law in plant.laws),
         "an absorber in space": resolution.spatial and bool(structure.absorbers),
         **{f"{law.owner}, a law that knows the rig's plane only, in space": resolution.spatial for law in plant.laws},

@@ -62,7 +62,7 @@ def inside_panels(bench: Bench, effect: Effect, answers: Answers, sensor: int) -
     """
     without, plant = bench.plant(), bench.plant(effect)
     if plant.structure != without.structure:
-        return _modes(without, plant)
+        return _modes(without, plant, bench.records["high"][0].duration)
     if len(plant.laws) > len(without.laws):
         return _force(bench.traced(effect), len(without.laws), through_time=effect.family == "time")
     changed = [new for new, old in zip(plant.contacts, without.contacts, strict=True) if new != old]
@@ -142,23 +142,30 @@ def _parts(fs: float, n_samples: int, *, through_time: bool) -> tuple[tuple[Curv
     return (("early", slice(0, n)), ("late", late)) if through_time else (("with", late),)
 
 
-def _modes(without: Plant, plant: Plant) -> tuple[Panel, Panel]:
-    """Natural frequencies and damping ratios of the structure without sleeves."""
-    old, new = _free_modes(without), _free_modes(plant)
+def _modes(without: Plant, plant: Plant, duration: float) -> tuple[Panel, Panel]:
+    """Natural frequencies and damping ratios of the structure without sleeves.
+
+    Args:
+        without: the effect.
+        plant: with it.
+        duration: of a record, s, at whose end a structure that changes in time is shown.
+    """
+    drifts = plant.structure.stiffness_rate != 0.0
+    old, new = _free_modes(without), _free_modes(replace(plant, structure=plant.structure.at(duration)))
     nearest = [int(np.argmin(np.abs(np.log(old.natural_freqs / freq)))) for freq in new.natural_freqs]
     shift = PERCENT * (new.natural_freqs / old.natural_freqs[nearest] - 1.0)
     still = Curve("without", old.natural_freqs, np.zeros(len(old.natural_freqs)), marks=True)
     dampings: tuple[tuple[CurveName, NaturalModes], ...] = (("without", old), ("with", new))
     return (
         Panel(
-            "natural frequencies without sleeves",
+            "free natural frequencies at the end" if drifts else "natural frequencies without sleeves",
             "mode [Hz]",
             "change [%]",
             (still, Curve("with", old.natural_freqs[nearest], shift, marks=True)),
             least_span=1.0,
         ),
         Panel(
-            "damping without sleeves",
+            "free damping at the end" if drifts else "damping without sleeves",
             "mode [Hz]",
             "damping ratio [%]",
             tuple(

@@ -121,6 +121,16 @@ def test_a_plant_that_no_force_drives_is_refused(rig, given):
     )
 
 
+@pytest.mark.parametrize("named", [True, False])
+def test_a_stiffness_that_drifts_is_refused(named):
+    drift = plant_with(EFFECTS["stiffness_drift"](Place(), 1e-3))
+    assert refused(started, drift if named else replace(drift, effects=())) == (
+        "stiffness_drift" if named else "structure.stiffness_rate = 0.001 1/s",
+        "a live model keeps its linear structure; laws and contacts may change in time",
+        "leave it out or simulate the whole record",
+    )
+
+
 def test_a_plant_without_sensors_is_refused():
     given, *_ = refused(started, build_plant(sensed(REFERENCE)))
     assert given == "a rig without sensors"

@@ -81,6 +81,22 @@ def test_two_half_steps_are_one(damping):
     np.testing.assert_allclose(twice, once, rtol=1e-9, atol=1e-9 * np.abs(once[5:]).max() / OMEGA[-1])
 
 
+def test_a_stiffness_beside_the_modes_own_is_that_of_the_modes_it_makes():
+    """In the modes that both make, with the damping turned, the same step."""
+    row = RNG.standard_normal(5)
+    stiffening = 2e4 * np.outer(row, row)
+    square, turn = np.linalg.eigh(np.diag(OMEGA**2) + stiffening)
+    state, end = RNG.standard_normal(10) * np.append(np.ones(5), OMEGA), RNG.standard_normal(3)
+    damping = coupled()
+    blocks = to_blocks(OMEGA, damping, INPUTS, stiffening)
+    found = stepped(blocks, exact_step(blocks, H), state, np.zeros(3), end)
+    own = to_blocks(np.sqrt(square), turn.T @ damping @ turn, turn.T @ INPUTS)
+    both = np.kron(np.eye(2), turn)
+    expected = both @ stepped(own, exact_step(own, H), both.T @ state, np.zeros(3), end)
+    scale = np.concatenate([np.ones(5), OMEGA]) * np.abs(state[:5]).max()
+    np.testing.assert_allclose(found / scale, expected / scale, atol=1e-8)
+
+
 def test_a_mass_that_nothing_holds_falls_as_a_parabola():
     blocks = to_blocks(np.zeros(1), np.zeros((1, 1)), np.ones((1, 1)))
     found = stepped(blocks, exact_step(blocks, H), np.array([0.1, 2.0]), np.ones(1), np.ones(1))

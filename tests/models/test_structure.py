@@ -1,5 +1,6 @@
 """What a rig file's structure is made of, and that a change leaves the old one alone."""
 
+from dataclasses import replace
 from math import inf, pi
 
 import pytest
@@ -39,3 +40,11 @@ def test_an_absorber_on_a_fixed_base_has_its_frequency_and_damping():
     spring, dashpot = Absorber(0.5, mass=0.2, frequency=25.0, damping_ratio=0.03).coefficients
     assert spring / 0.2 == pytest.approx((2 * pi * 25.0) ** 2)
     assert dashpot == pytest.approx(2 * 0.03 * (spring * 0.2) ** 0.5)
+
+
+def test_a_drifting_beam_is_at_any_time_one_that_stays():
+    beam = Structure.of(REFERENCE.structure)
+    drifting = replace(beam, stiffness_rate=-0.02)
+    assert beam.at(3.0) == beam
+    assert drifting.at(0.0) == beam
+    assert drifting.at(3.0) == replace(beam, bending_stiffness=pytest.approx(0.94 * beam.bending_stiffness))

@@ -55,6 +55,7 @@ def test_an_oscillator_is_refused_by_name(name):
     [
         ({"axial_force": 100.0}, "an axial load"),
         ({"loss_factor": 0.01}, "one loss factor for all modes"),
+        ({"stiffness_rate": 1e-3}, "stiffness_drift, a bending stiffness that changes in time"),
     ],
 )
 @pytest.mark.parametrize("name", ENGINES)

@@ -65,6 +65,12 @@ def test_a_modulus_shifts_all_natural_frequencies_by_the_root_of_its_ratio(bench
     np.testing.assert_allclose(curve(shift, "with").y, 10.0, rtol=1e-6)
 
 
+def test_a_drift_is_shown_where_it_has_come_to_at_the_end(bench):
+    shift, _ = inside(bench, EFFECTS["stiffness_drift"](Place(), rate=0.21 / bench.records["high"][0].duration))
+    np.testing.assert_allclose(curve(shift, "with").y, 10.0, rtol=1e-6)
+    assert shift.title == "free natural frequencies at the end"
+
+
 def test_modal_damping_multiplies_the_ratios(bench):
     shift, damping = inside(bench, EFFECTS["modal_damping"](Place(), ratio=3.0))
     np.testing.assert_allclose(curve(shift, "with").y, 0.0, atol=1e-2)  # a ratio of 4 % moves |lambda| by rounding only
