@@ -1,9 +1,11 @@
 """Cases on the cores of this machine, each in a process of its own: one that dies takes no other case with it."""
 
+import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from multiprocessing.connection import Connection
+from threading import Thread
 from typing import Any
 
 from testbed.hidden_effects.plan import Task
@@ -63,5 +65,14 @@ def _in_own_process(task: Task, run: RunCase, threads: int) -> Json:
 
 
 def _send(to: Connection, run: RunCase, task: Task, threads: int) -> None:
+    Thread(target=_end_with_parent, daemon=True).start()
     to.send(run(task, threads))
     to.close()
+
+
+def _end_with_parent() -> None:
+    """Nobody waits for the case of a process that was killed."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)

@@ -78,3 +78,10 @@ def slow(task, threads):
     """A case that takes a while."""
     time.sleep(1.0)
     return {"case": task.name, "kind": task.kind, "number": task.number, "pid": os.getpid(), "threads": threads}
+
+
+def told(folder, task, threads):
+    """A case that leaves its process's number in a file and takes for ever."""
+    (folder / task.name).write_text(str(os.getpid()), encoding="utf-8")
+    time.sleep(600.0)
+    return {"threads": threads}

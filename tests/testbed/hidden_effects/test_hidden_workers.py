@@ -3,10 +3,13 @@
 import os
 import signal
 import time
+from functools import partial
+from multiprocessing import get_context
 
+import psutil
 import pytest
 from distributed import LocalCluster
-from quick_cases import deadly_once, no_case, real_and_small, slow
+from quick_cases import deadly_once, no_case, real_and_small, slow, told
 
 from models.errors import InputError
 from testbed.hidden_effects.case_run import run_case
@@ -22,6 +25,22 @@ def test_a_process_that_dies_loses_its_own_case_only():
     assert "its process ended with status 7" in done[TASKS[1]]["failure"]
     assert done[TASKS[0]]["threads"] == done[TASKS[2]]["threads"] == 3
     assert done[TASKS[0]]["pid"] != done[TASKS[2]]["pid"] != os.getpid()
+
+
+def all_for_ever(folder):
+    list(on_this_machine(2)(TASKS, partial(told, folder), 1))
+
+
+def test_the_cases_of_a_killed_run_end_with_it(tmp_path):
+    run = get_context("spawn").Process(target=all_for_ever, args=(tmp_path,))
+    run.start()
+    while len([file for file in tmp_path.iterdir() if file.read_text()]) < 2:
+        time.sleep(0.05)
+    working = [psutil.Process(int(file.read_text())) for file in tmp_path.iterdir()]
+    run.kill()
+    run.join()
+    _, alive = psutil.wait_procs(working, timeout=30.0)
+    assert alive == []
 
 
 def test_a_case_that_fails_is_told_with_where_it_did():
