@@ -65,13 +65,16 @@ def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
 
 
 def pruned(session: Session, calibrated: Fit, found: Fit) -> list[tuple[int, Fit]]:
-    """Effects that the last one has made needless, each with the fit without it, taken out one after the other."""
+    """Effects that the last one has made needless, each with the fit without it, taken out one after the other.
+
+    Needless is what none would be added for: the noise is reached without it, or it explains nothing.
+    """
     taken: list[tuple[int, Fit]] = []
     index = 0
     while index < len(found.hypothesis.effects) - 1:
         less = _without(session, calibrated, found, index)
         scale = misfit_of(found)
-        if less is not None and log_fit(found, scale) - log_fit(less, scale) < LEAST_EVIDENCE:
+        if less is not None and (is_enough(less) or log_fit(found, scale) - log_fit(less, scale) < LEAST_EVIDENCE):
             gone, last = found.hypothesis.effects[index].label(), found.hypothesis.effects[-1].label()
             session.decide(f"{gone} taken out again: beside {last} it explains nothing more")
             taken.append((index, less))

@@ -8,9 +8,10 @@ over channels as if they were independent does not know.
 from dataclasses import replace
 
 import numpy as np
+from scipy import fft
 
-from identification.evaluate import Evaluator, TimeTarget, shaken, whitened
-from identification.fit import Fit
+from identification.evaluate import Evaluator, Target, TimeTarget, shaken, whitened
+from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, at_coordinates, coordinates
 from models.arrays import FloatArray
 from models.errors import DivergenceError
@@ -28,6 +29,12 @@ REALISATIONS = 32
 LARGEST_CORRECTION = 0.5
 """Of an unknown, in its own coordinate; a larger one is no correction."""
 
+BIASES, DISAGREEING = 3, 0.4
+"""Realisations by which a bias is told, and the share of it by which they may scatter."""
+
+LARGEST_BIAS = 4.0
+"""The same of what the excitation's noise does to a number, which it may pull as far as its tolerance lets it."""
+
 
 def corrected(evaluator: Evaluator, found: Fit, rng: np.random.Generator) -> Fit:
     """The fit moved to the minimum of a finely resolved model, with a covariance for correlated noise.
@@ -38,10 +45,11 @@ def corrected(evaluator: Evaluator, found: Fit, rng: np.random.Generator) -> Fit
         rng: for the realisations of the excitation's noise.
 
     Source: defect correction, K. Boehmer, P. W. Hemker, H. J. Stetter, Computing Suppl. 5 (1984) 1; the covariance is
-    that of a misspecified likelihood, H. White, Econometrica 50 (1982) 1, theorem 3.2.
+    that of a misspecified likelihood, H. White, Econometrica 50 (1982) 1, theorem 3.2; the bias is that of errors in
+    variables, T. Soderstrom, Automatica 43 (2007) 939, section 5, in its nonlinear form.
     """
     moved = _finely(evaluator, found) if evaluator.timed else found
-    return replace(moved, covariance=_covariance(evaluator, moved, rng))
+    return _unbiased(evaluator, replace(moved, covariance=_covariance(evaluator, moved, rng)), moved.covariance, rng)
 
 
 def finer(evaluator: Evaluator, hypothesis: Hypothesis) -> Evaluator:
@@ -77,6 +85,48 @@ def _finely(evaluator: Evaluator, found: Fit) -> Fit:
     x = coordinates(hypothesis, found.unknowns)
     chi2 = float(residual @ residual)
     return replace(found, hypothesis=hypothesis, residual=residual, chi2=chi2, penalty=float(prior @ x**2))
+
+
+def _unbiased(evaluator: Evaluator, found: Fit, inverse: FloatArray, rng: np.random.Generator) -> Fit:
+    """The fit moved by what the noise of the measured excitation does to least squares, where that is told.
+
+    The model answers that noise too, most where a resonance meets no excitation, and least squares takes the numbers
+    that answer least. At the truth E[J^T r] is E[dJ^T dr], dr and dJ being what the noise does to residual and slopes,
+    line by line in proportion to it: so a few realisations of random phases tell it whose lines are all as high as the
+    noise is in the mean. Their scatter is also that of the record's own noise. Where they disagree, the ends of the
+    records speak and not the lines, and nothing is moved.
+    """
+    model, unknowns = found.hypothesis, found.unknowns
+    if not any(target.noise.excitation > 0.0 and target.record.excitation is not None for target in evaluator.timed):
+        return found
+    steps = []
+    try:
+        clean = fit(evaluator, model, unknowns, max_iterations=0)
+        for _ in range(BIASES):
+            noisy = fit(_with_even_noise(evaluator, rng), model, unknowns, max_iterations=0)
+            steps.append(inverse @ ((noisy.jacobian - clean.jacobian) @ (noisy.residual - clean.residual)))
+    except ArithmeticError:
+        return found
+    step, scatter = np.mean(steps, axis=0), np.cov(np.transpose(steps)).reshape(len(unknowns), len(unknowns))
+    most = int(np.argmax(np.abs(step) / np.sqrt(np.diag(found.covariance))))
+    if scatter[most, most] > (DISAGREEING * step[most]) ** 2 or np.abs(step).max() > LARGEST_BIAS:
+        return found
+    moved = at_coordinates(model, unknowns, coordinates(model, unknowns) + step)
+    return replace(found, hypothesis=moved, covariance=found.covariance + (1.0 + 1.0 / BIASES) * scatter)
+
+
+def _with_even_noise(evaluator: Evaluator, rng: np.random.Generator) -> Evaluator:
+    """The records with noise in their excitations whose spectrum is the same on every line, at random phases."""
+
+    def one(target: Target) -> Target:
+        if not isinstance(target, TimeTarget) or target.driven.excitation is None:
+            return target
+        n = target.driven.n_samples
+        turns = np.exp(2j * np.pi * rng.random(n // 2 + 1))
+        noise = fft.irfft(target.noise.excitation * turns, n, norm="ortho")
+        return replace(target, driven=replace(target.driven, excitation=target.driven.excitation + noise))
+
+    return evaluator.with_targets([one(target) for target in evaluator.targets])
 
 
 def _covariance(evaluator: Evaluator, found: Fit, rng: np.random.Generator) -> FloatArray:

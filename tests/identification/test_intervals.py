@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 from trial_records import REFERENCE, evaluator_of, measured, moved, multisine, oscillator, sweep
 
+from identification.evaluate import carry_noise
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, coordinates, rig_unknowns
 from identification.intervals import corrected
@@ -32,6 +33,24 @@ def test_intervals_hold_the_truth_where_the_force_is_noisy():
     assert np.sqrt(np.mean(pulls(found, truth) ** 2)) < 1.7
     assert np.sqrt(np.mean(pulls(plain, truth) ** 2)) > np.sqrt(np.mean(pulls(found, truth) ** 2))
     assert np.all(found.std() > 0.9 * plain.std())
+
+
+def test_noise_of_the_force_at_a_resonance_that_nothing_excites_pulls_no_number():
+    """Least squares takes numbers with which the model answers that noise least: too much damping."""
+    rig = oscillator(freq=200.0, damping_ratio=0.02, damping=0.3, stiffness=0.01, mass=0.01)
+    truth, far = Hypothesis(rig), []
+    for seed in range(3):
+        force = multisine(16384, periods=4, low=20.0, high=100.0, seed=seed)
+        evaluator = evaluator_of(measured(truth, force, noise=0.01, force_noise=0.01, seed=seed))
+        evaluator = evaluator.with_targets(carry_noise(evaluator, truth, np.random.default_rng(seed)))
+        plain = fit(evaluator, truth, rig_unknowns(rig), precise=True)
+
+        found = corrected(evaluator, plain, np.random.default_rng(seed))
+
+        far.append((pulls(replace(plain, covariance=found.covariance), truth), pulls(found, truth)))
+    before, after = np.sqrt(np.mean(np.square(far), axis=(0, 2)))
+    assert before > 3.0
+    assert after < 1.7
 
 
 def test_coarse_steps_leave_no_trace_in_the_numbers():
