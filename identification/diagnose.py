@@ -11,6 +11,7 @@ from identification.assess import with_starts
 from identification.calibrate import calibrate, strained, unknowns_of
 from identification.conclude import concluded, one_set_of_numbers
 from identification.evaluate import carry_noise
+from identification.evidence import Ranked
 from identification.fit import Fit
 from identification.hypothesis import Hypothesis
 from identification.outcome import AT_REST_ONLY
@@ -72,10 +73,11 @@ def diagnose(
     session.decide(_calibration_in_words(base))
     stages.append(session.stage("calibrated", base.hypothesis))
     _carry(session, base.hypothesis, seed)
-    chain, rounds = [base], []
+    chain: list[Fit] = [base]
+    rounds: list[list[Ranked]] = []
     for _ in range(MOST_ROUNDS):
         if is_enough(chain[-1]) and session.lengthen(chain[-1]):
-            chain = session.again(chain)
+            chain, rounds = session.all_again(chain, rounds)
         if len(chain[-1].hypothesis.effects) >= most_effects or is_enough(chain[-1]):
             break
         ranked, better = look_round(session, chain[-1])

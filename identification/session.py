@@ -180,10 +180,19 @@ class Session:
         if best is found:
             return chain, rounds
         self.decide("all models fitted and weighed again on the lower noise")
-        rows = [[row for row in ranked if row.refitted] for ranked in rounds]
-        fits = [self.again([row.fit for row in ranked if row is not first]) for ranked in rows]
         if first is not None:
-            fits[-1] = [best, *fits[-1]]
+            rounds = [*rounds[:-1], [_with_fit(first, best), *rounds[-1][1:]]]
+        return self.all_again(chain, rounds)
+
+    def all_again(self, chain: list[Fit], rounds: list[list[Ranked]]) -> tuple[list[Fit], list[list[Ranked]]]:
+        """The models so far and every refitted suspect, on the records and the noise as they are now.
+
+        Args:
+            chain: the models so far.
+            rounds: effects ranked in each round.
+        """
+        rows = [[row for row in ranked if row.refitted] for ranked in rounds]
+        fits = [self.again([row.fit for row in ranked]) for ranked in rows]
         again = [[_with_fit(*pair) for pair in zip(*both, strict=True)] for both in zip(rows, fits, strict=True)]
         return self.again(chain), [reweighed(old, new) for old, new in zip(rounds, again, strict=True)]
 

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from trial_records import evaluator_of, measured, multisine, oscillator
 
+from identification.evidence import Ranked
 from identification.fit import fit
-from identification.hypothesis import Hypothesis, rig_unknowns
+from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
+from identification.outcome import candidates_of
 from identification.prepare import Horizon, cut_to
 from identification.session import Session
 from models.effects import EFFECTS, Place
@@ -32,6 +34,22 @@ def test_what_only_the_end_of_a_record_shows_makes_the_whole_of_it_count():
 
     assert session.fitting.n_data == session.all_predicted.n_data > 3 * part.n_data
     assert "are explained, all 4.0 s of records not" in session.decisions[-1]
+
+
+def test_what_was_ranked_on_the_part_is_ranked_on_the_whole():
+    effect = CubicStiffness(Place(), stiffness=2e10)
+    session, part = session_on(Hypothesis(RIG, effects=(effect,)), 1.0)
+    added = Hypothesis(RIG, effects=(effect,))
+    unknowns = (*rig_unknowns(RIG), *effect_unknowns(added))
+    suspect = fit(session.fitting, added, unknowns, max_iterations=0)  # the part hardly tells its size
+    row = Ranked(effect, suspect, refitted=True, log_evidence=0.0)
+    session.lengthen(part)
+
+    chain, rounds = session.all_again([part], [[row]])
+
+    assert chain[0].n_data == rounds[0][0].fit.n_data == session.fitting.n_data > suspect.n_data
+    (told,) = candidates_of(rounds[0], [1.0], session.fitting)
+    assert told.nrmse == pytest.approx(session.fitting.targets[0].nrmse_of_noise, rel=0.1)
 
 
 def test_a_part_is_enough_where_the_whole_is_explained_too():
