@@ -121,6 +121,21 @@ class TimeTarget:
             self, record=record, noise=noise, measured=measured, density=density, driven=driven, carried=carried
         )
 
+    def exchanged(self, name: str, other: str) -> "TimeTarget":
+        """With what the channels of two sensors hold exchanged, if it has both."""
+        if not {name, other} <= set(self.record.sensors):
+            return self
+        here, there = self.record.sensors.index(name), self.record.sensors.index(other)
+        order = np.arange(len(self.record.sensors))
+        order[[here, there]] = there, here
+        record, driven = (replace(each, responses=each.responses[order]) for each in (self.record, self.driven))
+        noise = replace(self.noise, sensors=self.noise.sensors[order])
+        carried = self.carried[:, order] if len(self.carried) else self.carried
+        measured, density = self.measured[order], self.density[order]
+        return replace(
+            self, record=record, noise=noise, measured=measured, density=density, driven=driven, carried=carried
+        )
+
     def spectrum(self, channels: FloatArray) -> ComplexArray:
         """(n, lines) spectrum of what was simulated, as far as it is judged."""
         return scored_spectrum(channels[:, : self.record.n_samples])

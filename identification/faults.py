@@ -1,23 +1,27 @@
 """What the channels say of the measurement itself, before any physics is blamed.
 
 A sensor that is dead, upside down, late, mis-scaled or displaced contradicts all others, and physics that explains one
-channel alone is rare: so each channel is left out in turn, and the rig's numbers are fitted to the rest. A hum, or a
-floor that shakes, stands in a few lines of all channels: so these lines are left out.
+channel alone is rare: so each channel is left out in turn, and the rig's numbers are fitted to the rest. Two sensors
+whose cables were exchanged agree again when they are exchanged once more. A hum, or a floor that shakes, stands in a
+few lines of all channels: so these lines are left out.
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 
 from identification.calibrate import beginning, concerning
-from identification.evaluate import Evaluator, TimeTarget, in_parallel
+from identification.evaluate import Evaluator, TimeTarget, in_parallel, unwhitened, whitened
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis
 from identification.lines import lines_left
+from identification.scene import each_sensor
 from identification.screen import Projection
 from models.arrays import BoolArray
-from models.effects import Registry
+from models.effects import Place, Registry
+from models.rig import Rig
 
 PLAINLY = 0.3
 """Share of the excess of chi-square over the noise that is left at most without what is at fault."""
@@ -30,6 +34,9 @@ LARGE = 3.0
 
 MOST_SENSORS = 2
 """At fault at once; where more disagree, it is not the sensors."""
+
+MOST_PAIRS, PROMISED = 3, 0.7
+"""Pairs that are exchanged in a fit, and the share of the excess that slopes leave of them at most."""
 
 LEAST_SENSORS = 3
 """Channels of which one can be outvoted."""
@@ -49,18 +56,18 @@ class Suspicion:
     """What is wrong with the measurement, as far as the channels say.
 
     Attributes:
-        sensors: channels without which the others agree, the worst first.
+        channels: sensors without which the others agree, the worst first, or a pair that agrees when it is exchanged.
         in_lines: all that is left stands in single lines.
         words: what was seen, for the report; empty where nothing was.
     """
 
-    sensors: tuple[str, ...] = ()
+    channels: tuple[Place, ...] = ()
     in_lines: bool = False
     words: str = ""
 
     def __bool__(self) -> bool:
         """Something is suspected."""
-        return bool(self.sensors) or self.in_lines
+        return bool(self.channels) or self.in_lines
 
     def kinds(self, registry: Registry) -> Registry:
         """The kinds of effects that could do this.
@@ -68,11 +75,20 @@ class Suspicion:
         Args:
             registry: all kinds.
         """
+        sits = {"sensor" if place.other is None else "sensor pair" for place in self.channels}
         return {
             name: kind
             for name, kind in registry.items()
-            if ("sensor" in kind.places and self.sensors) or (kind.record_parameters and self.in_lines)
+            if sits & set(kind.places) or (kind.record_parameters and self.in_lines)
         }
+
+    def beside(self, rig: Rig) -> tuple[Place, ...]:
+        """Where effects on channels may sit if physics is looked for as well: on every sensor, and on a suspected pair.
+
+        Args:
+            rig: with the sensors.
+        """
+        return (*each_sensor(rig), *(place for place in self.channels if place.other is not None))
 
 
 NO_SUSPICION = Suspicion()
@@ -93,40 +109,74 @@ def suspicion(evaluator: Evaluator, there: Fit) -> Suspicion:
     names = list(dict.fromkeys(name for target in evaluator.timed for name in target.record.sensors))
     if len(names) < LEAST_SENSORS:
         return NO_SUSPICION
-    near = _left_beside(evaluator, there, names)
-    window = beginning(evaluator, *WINDOW)
-    rows = [near] if there.ratio < LARGE else [near, _left_in(window, there, names)]
+    alone = [Place(sensor=name) for name in names]
+    pairs = [Place(sensor=one, other=other) for one, other in combinations(names, 2)]
+    rows = [_left_beside(evaluator, there, [*alone, *pairs])]
+    if there.ratio >= LARGE:
+        rows.append(_left_in(beginning(evaluator, *WINDOW), there, alone, pairs))
     left = min(rows, key=lambda row: min(row.values()))
-    at_fault = sorted((name for name in names if left[name] < PLAINLY), key=left.__getitem__)[:MOST_SENSORS]
+    at_fault = sorted((place for place in left if left[place] < PLAINLY), key=left.__getitem__)
     if not at_fault:
         return NO_SUSPICION
     worst = at_fault[0]
-    words = f"{worst} contradicts the other channels: without it {max(left[worst], 0.0):.0%} of the misfit is left"
-    return Suspicion(tuple(at_fault), words=words)
+    remains = f"{max(left[worst], 0.0):.0%} of the misfit is left"
+    if worst.other is not None:
+        words = f"{worst.sensor} and {worst.other} seem to be exchanged: exchanged once more, {remains}"
+        return Suspicion((worst,), words=words)
+    words = f"{worst.sensor} contradicts the other channels: without it {remains}"
+    return Suspicion(tuple(place for place in at_fault if place.other is None)[:MOST_SENSORS], words=words)
 
 
-def _left_beside(evaluator: Evaluator, there: Fit, names: Sequence[str]) -> dict[str, float]:
-    """Share of the excess that is left without each channel, the numbers moved by what their slopes say."""
-    entry = np.concatenate([np.repeat(t.record.sensors, 2 * t.measured.shape[1]) for t in evaluator.timed])
-    whole = _left_of(there, np.ones(len(entry), bool))
-    return {name: _left_of(there, entry != name) / whole if whole > 0.0 else 1.0 for name in names}
+def _left_beside(evaluator: Evaluator, there: Fit, faults: Sequence[Place]) -> dict[Place, float]:
+    """Share of the excess that is left without each channel or with each pair exchanged, by the numbers' slopes."""
+    whole = _left_of(there)
+    return {fault: _left_of(_mended(evaluator, there, fault)) / whole if whole > 0.0 else 1.0 for fault in faults}
 
 
-def _left_of(there: Fit, kept: BoolArray) -> float:
-    rows, residual = there.jacobian[:, kept], there.residual[kept]
-    seen = replace(there, jacobian=rows, residual=residual)
-    return Projection(seen).misfit - int(kept.sum())
+def _left_of(there: Fit) -> float:
+    return Projection(there).misfit - len(there.residual)
 
 
-def _left_in(window: Evaluator, there: Fit, names: Sequence[str]) -> dict[str, float]:
-    """Share of the excess that is left without each channel, the numbers fitted on the beginning of the records."""
-    alone = window.with_jobs(1)
+def _mended(evaluator: Evaluator, there: Fit, fault: Place) -> Fit:
+    """The fit's residual and slopes as they would be without a channel, or with two exchanged."""
+    rows, residuals = [], []
+    ends = np.cumsum([target.n_data for target in evaluator.timed])
+    for target, end in zip(evaluator.timed, ends, strict=True):
+        part = slice(end - target.n_data, end)
+        slopes, residual = there.jacobian[:, part], there.residual[part]
+        if fault.other is None:
+            kept = np.repeat([name != fault.sensor for name in target.record.sensors], 2 * target.measured.shape[1])
+            slopes, residual = slopes[:, kept], residual[kept]
+        else:
+            mended = _without_fault(target, fault)
+            model = unwhitened(residual, target) * np.sqrt(target.record.n_samples) + target.measured
+            residual = whitened(model - mended.measured, mended)
+            slopes = slopes * np.repeat(np.sqrt(target.density / mended.density), 2)
+        rows.append(slopes)
+        residuals.append(residual)
+    return replace(there, jacobian=np.concatenate(rows, axis=1), residual=np.concatenate(residuals))
 
-    def excess(name: str) -> float:
-        return _excess(alone.with_targets([target.without(name) for target in alone.timed]), there)
 
-    whole, *left = in_parallel(window.jobs, excess, ["", *names])
-    return {name: each / whole if whole > 0.0 else 1.0 for name, each in zip(names, left, strict=True)}
+def _without_fault(target: TimeTarget, fault: Place) -> TimeTarget:
+    """The record without a channel, or with two of them exchanged; as it is without a fault."""
+    if fault.sensor is None:
+        return target
+    return target.without(fault.sensor) if fault.other is None else target.exchanged(fault.sensor, fault.other)
+
+
+def _left_in(window: Evaluator, there: Fit, alone: Sequence[Place], pairs: Sequence[Place]) -> dict[Place, float]:
+    """The same with the numbers fitted on the beginning of the records; of the pairs only those that slopes promise."""
+    grounds = [fit(window, start, concerning(there, window), max_iterations=0) for start in _starts(there)]
+    promised = [_left_beside(window, ground, pairs) for ground in grounds]
+    least = {pair: min(row[pair] for row in promised) for pair in pairs}
+    promising = [pair for pair in sorted(pairs, key=least.__getitem__)[:MOST_PAIRS] if least[pair] < PROMISED]
+    faults, by_one = [Place(), *alone, *promising], window.with_jobs(1)
+
+    def excess(fault: Place) -> float:
+        return _excess(by_one.with_targets([_without_fault(target, fault) for target in by_one.timed]), there)
+
+    whole, *left = in_parallel(window.jobs, excess, faults)
+    return {fault: each / whole if whole > 0.0 else 1.0 for fault, each in zip(faults[1:], left, strict=True)}
 
 
 def _excess(evaluator: Evaluator, base: Fit) -> float:

@@ -15,7 +15,7 @@ from identification.progress import Progress
 from identification.scene import GRID
 from identification.screen import Projection, Suspect, promising, screen, survey
 from identification.sketch import HEATS, Sketch, afresh, heats, sketched_from_calibrated
-from models.effects import Registry
+from models.effects import Place, Registry
 from models.rig import Beam
 
 PER_KIND = 2
@@ -33,13 +33,13 @@ class View:
         evaluator: records, at the resolution of the search.
         there: the calibrated model on them.
         registry: kinds to look for.
-        sensors: that may be at fault; all by default.
+        channels: on which effects may sit (``scene.places_of``).
     """
 
     evaluator: Evaluator
     there: Fit
     registry: Registry
-    sensors: tuple[str, ...] | None = None
+    channels: tuple[Place, ...] | None = None
 
     @property
     def is_lasting(self) -> bool:
@@ -64,13 +64,13 @@ def beside(view: View, base: Fit, progress: Progress) -> list[Sketch]:
     start = there.hypothesis if plain else back
     telling = None if plain else _telling(evaluator, start, base)
     if telling is None:
-        seen = promising(screen(evaluator, there, registry, progress, view.sensors), PER_KIND, _distance(there))
+        seen = promising(screen(evaluator, there, registry, progress, view.channels), PER_KIND, _distance(there))
         effects = [suspect.effect for suspect in first_of_each_kind(seen)[:MOST_LONG_SKETCHES]]
         progress(f"sketching {len(effects)} suspects on {evaluator.extent}")
         starts = [start] if back is start else [start, back]
         return sketched_from_calibrated(evaluator, there, starts, effects, registry, lasting=view.is_lasting)
     (share, seconds), bare = telling
-    found = survey(beginning(evaluator, share, seconds), bare, registry, progress, sensors=view.sensors)
+    found = survey(beginning(evaluator, share, seconds), bare, registry, progress, channels=view.channels)
     seen = promising(found, PER_KIND, _distance(there))
     progress(f"sketching {len(seen)} suspects on the beginning of the records, the best of them on {evaluator.extent}")
     schedule = ((share, seconds, MOST_LONG_SKETCHES), (1.0, 0.0, MOST_LONG_SKETCHES))
@@ -91,7 +91,7 @@ def afar(view: View, base: Fit, progress: Progress) -> list[Sketch]:
     start = afresh(base.hypothesis)
     short = beginning(view.evaluator, *HEATS[0][:2])
     bare = fit(short, start, concerning(base, short), max_iterations=0)
-    seen = survey(short, bare, view.registry, progress, sensors=view.sensors)
+    seen = survey(short, bare, view.registry, progress, channels=view.channels)
     found = promising(seen, PER_KIND, _distance(base))
     progress(f"sketching {len(found)} suspects on the beginning of the records")
     return heats(view.evaluator, start, base, [suspect.effect for suspect in found], view.registry)

@@ -33,8 +33,9 @@ def look_round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
     ranked: list[Ranked] = []
     if suspected:
         session.decide(suspected.words)
-        faults = replace(first, registry=suspected.kinds(instant), sensors=suspected.sensors)
+        faults = replace(first, registry=suspected.kinds(instant), channels=suspected.channels)
         ranked = judge([faults], session.fitting, base, session.progress)
+        first = replace(first, channels=suspected.beside(base.hypothesis.rig))
     if not (ranked and ranked[0].fit.ratio <= NOISE_REACHED):
         views = [first]
         if lasting:

@@ -24,7 +24,7 @@ GRID = 12
 """Positions tried along the beam; the shortest wave in the band spans several."""
 
 
-def places_of(kind: type[Effect], rig: Rig, sensors: Collection[str] | None = None) -> list[Place]:
+def places_of(kind: type[Effect], rig: Rig, channels: Collection[Place] | None = None) -> list[Place]:
     """Where an effect of this kind could sit on this rig, positions on a grid that a fit refines.
 
     What can sit anywhere is looked for at the sleeves' positions, from where a fit can move it.
@@ -32,9 +32,11 @@ def places_of(kind: type[Effect], rig: Rig, sensors: Collection[str] | None = No
     Args:
         kind: of effect.
         rig: with its sleeves and sensors.
-        sensors: on which it may sit; on all by default.
+        channels: sensors, and pairs of them, on which it may sit; by default every sensor, and no pair.
     """
-    suspected = [Place(sensor=s.name) for s in rig.sensors if sensors is None or s.name in sensors]
+    if channels is None:
+        channels = each_sensor(rig)
+    suspected = [place for place in channels if ("sensor" if place.other is None else "sensor pair") in kind.places]
     if not isinstance(rig.structure, Beam):
         return suspected if "sensor" in kind.places else [Place()]
     if not kind.places:
@@ -46,9 +48,12 @@ def places_of(kind: type[Effect], rig: Rig, sensors: Collection[str] | None = No
         places += [Place(position=x) for x in sorted({*grid, *(s.position for s in rig.sleeves)})]
     elif "sleeve" in kind.places:
         places += sleeves_of(rig)
-    if "sensor" in kind.places:
-        places += suspected
-    return places
+    return places + suspected
+
+
+def each_sensor(rig: Rig) -> list[Place]:
+    """The sensors of a rig as places."""
+    return [Place(sensor=sensor.name) for sensor in rig.sensors]
 
 
 def sleeves_of(rig: Rig) -> list[Place]:

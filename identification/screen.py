@@ -81,7 +81,7 @@ LEAST_FACTOR, LARGEST_FACTOR = 1e-3, 3.0
 
 
 def screen(
-    evaluator: Evaluator, base: Fit, registry: Registry, progress: Progress, sensors: Collection[str] | None = None
+    evaluator: Evaluator, base: Fit, registry: Registry, progress: Progress, channels: Collection[Place] | None = None
 ) -> list[Suspect]:
     """Every kind at every place, the most promising first.
 
@@ -90,10 +90,10 @@ def screen(
         base: the calibrated model on the same records.
         registry: kinds to try.
         progress: told how many simulations are coming.
-        sensors: on which effects may sit; on all by default.
+        channels: on which effects may sit (``places_of``).
     """
     projection = Projection(base)
-    trials = _trials(evaluator, base, registry, sensors=sensors)
+    trials = _trials(evaluator, base, registry, channels=channels)
     first = [row[len(row) // 2] for row in trials.values()]
     progress(f"screening {len(registry)} kinds of effect at every place: {len(first)} trials")
     suspects = _tried(evaluator, base, projection, first)
@@ -114,7 +114,7 @@ def survey(
     registry: Registry,
     progress: Progress,
     near: float | None = None,
-    sensors: Collection[str] | None = None,
+    channels: Collection[Place] | None = None,
 ) -> list[Suspect]:
     """Every kind at every place at many sizes, none taken to act in proportion, the most promising first.
 
@@ -127,10 +127,10 @@ def survey(
         registry: kinds to try.
         progress: told how many simulations are coming.
         near: only at this position along the beam, m, and at sleeves close to it.
-        sensors: on which effects may sit; on all by default.
+        channels: on which effects may sit (``places_of``).
     """
     projection = Projection(start)
-    ladder = [size for row in _trials(evaluator, start, registry, near, sensors).values() for size in _ladder(row)]
+    ladder = [size for row in _trials(evaluator, start, registry, near, channels).values() for size in _ladder(row)]
     progress(f"surveying {len(registry)} kinds of effect at every place: {len(ladder)} trials")
     suspects = [
         Suspect(effect, projection.misfit - projection.left_of(row))
@@ -181,12 +181,12 @@ def _trials(
     base: Fit,
     registry: Registry,
     near: float | None = None,
-    sensors: Collection[str] | None = None,
+    channels: Collection[Place] | None = None,
 ) -> dict[tuple[str, Place], list[Effect]]:
     """Trial effects by kind and place."""
     rig = base.hypothesis.rig
     kinds = [kind for kind in registry.values() if rig.structure.kind in kind.structures]
-    places = {kind: places_of(kind, rig, sensors) if near is None else places_near(kind, rig, near) for kind in kinds}
+    places = {kind: places_of(kind, rig, channels) if near is None else places_near(kind, rig, near) for kind in kinds}
     wanted = {place for row in places.values() for place in row}
     seen = scenes(evaluator, base.hypothesis, wanted) if wanted else {}
     trials: dict[tuple[str, Place], list[Effect]] = {}

@@ -129,11 +129,16 @@ def _repeated(table: str, key: str, values: list[str] | list[int | None]) -> Ite
 
 def _unknown_names(rig: "Rig") -> Iterator[Misfit]:
     for i, effect in enumerate(rig.effects):
-        for key, name, parts in (("sleeve", effect.sleeve, rig.sleeves), ("sensor", effect.sensor, rig.sensors)):
+        named = (
+            ("sleeve", "sleeve", effect.sleeve, rig.sleeves),
+            ("sensor", "sensor", effect.sensor, rig.sensors),
+            ("other", "sensor", effect.other, rig.sensors),
+        )
+        for key, part_of, name, parts in named:
             known = [part.name for part in parts]
             if name is not None and name not in known:
                 yield Misfit(
                     f'effects[{i}].{key} = "{name}"',
-                    f"an effect's {key} is one of this rig's: {', '.join(known) or 'there is none'}",
-                    f"write one of these names, or add the {key}",
+                    f"an effect's {part_of} is one of this rig's: {', '.join(known) or 'there is none'}",
+                    f"write one of these names, or add the {part_of}",
                 )

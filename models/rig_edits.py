@@ -89,7 +89,7 @@ def _identity(table: Content) -> tuple[Any, ...]:
     """What makes it the same part when its numbers change; beside a sensor, an effect's position is a number."""
     if "kind" not in table:
         return (table["name"],)
-    return (table["kind"], table.get("sleeve") or table.get("sensor") or table.get("position"))
+    return (table["kind"], table.get("sleeve") or table.get("sensor") or table.get("position"), table.get("other"))
 
 
 def _remove(document: TOMLDocument, key: str) -> None:

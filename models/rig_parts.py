@@ -215,6 +215,9 @@ class EffectEntry(BaseModel):
     sensor: Annotated[
         Name | None, Term("sensor", "", "an effect's sensor is the name of a sensor", 'write it as in "P1"')
     ] = None
+    other: Annotated[
+        Name | None, Term("other", "", "an effect's other sensor is the name of a sensor", 'write it as in "P2"')
+    ] = None
     position: Annotated[
         Positive | None,
         Term("position", "m", "an effect's position is above 0", "measure from the clamp towards the tip"),
@@ -223,7 +226,7 @@ class EffectEntry(BaseModel):
     @property
     def place(self) -> dict[str, Any]:
         """The place keys that the table gives; beside a sensor, ``position`` is a setting (``sensor_position``)."""
-        keys = ("sleeve", "sensor") if self.sensor is not None else ("sleeve", "position")
+        keys = ("sleeve", "sensor", "other") if self.sensor is not None else ("sleeve", "other", "position")
         return {key: value for key in keys if (value := getattr(self, key)) is not None}
 
     @property

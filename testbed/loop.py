@@ -89,7 +89,12 @@ def rig_of(hypothesis: Hypothesis) -> Rig:
 def identity(effect: Effect) -> Json:
     """Kind, place and options of an effect, as the files name it; a sleeve stands for its position."""
     place = effect.place
-    where = {"sleeve": place.sleeve, "position": None if place.sleeve else place.position, "sensor": place.sensor}
+    where = {
+        "sleeve": place.sleeve,
+        "position": None if place.sleeve else place.position,
+        "sensor": place.sensor,
+        "other": place.other,
+    }
     options = {key: getattr(effect, key) for key in effect.options}
     return {"kind": effect.kind, **{key: value for key, value in where.items() if value is not None}, **options}
 

@@ -13,6 +13,7 @@ from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, Unknown, effect_unknowns, own_unknowns
 from identification.progress import Progress
 from identification.rounds import takes_away
+from identification.scene import places_of
 from identification.screen import BETWEEN, Projection
 from identification.session import NOISE_REACHED
 from identification.stepped_sine.balance import Balance
@@ -190,8 +191,7 @@ def _starts(soft: Evaluator, there: Fit, registry: Registry) -> list[Hypothesis]
     for kind in registry.values():
         if "oscillator" not in kind.structures or kind.family == "time":
             continue  # a steady state knows no time
-        places = [Place(sensor=s.name) for s in there.hypothesis.rig.sensors] if "sensor" in kind.places else [Place()]
-        for place in places:
+        for place in places_of(kind, there.hypothesis.rig):
             trials = list(kind.trials(replace(scene, place=place)))
             sizes = dict.fromkeys(trial.scaled(factor) for trial in trials for factor in BETWEEN)
             models = [there.hypothesis.with_effects(size) for size in sizes]

@@ -33,6 +33,7 @@ from models.effects.quadratic_stiffness import QuadraticStiffness
 from models.effects.sensor_delay import SensorDelay
 from models.effects.sensor_gain import SensorGain
 from models.effects.sensor_position import SensorPosition
+from models.effects.sensor_swap import SensorSwap
 from models.effects.squeeze_film import SqueezeFilm
 from models.effects.stiffness_drift import StiffnessDrift
 from models.effects.structural_damping import StructuralDamping
@@ -72,6 +73,7 @@ EFFECTS: dict[str, type[Effect]] = {
     "sensor_gain": SensorGain,
     "sensor_delay": SensorDelay,
     "sensor_position": SensorPosition,
+    "sensor_swap": SensorSwap,
     "mains_hum": MainsHum,
     "force_gain": ForceGain,
     "base_motion": BaseMotion,

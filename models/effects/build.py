@@ -6,9 +6,17 @@ from difflib import get_close_matches
 from math import inf
 from typing import Any
 
-from models.effects.protocol import Effect, Parameter, Place
+from models.effects.protocol import Effect, Parameter, Place, PlaceKind
 from models.errors import InputError
 from models.rig import Beam, EffectEntry, Rig
+
+KEYS: Mapping[PlaceKind, tuple[str, ...]] = {
+    "sleeve": ("sleeve",),
+    "position": ("position",),
+    "sensor": ("sensor",),
+    "sensor pair": ("sensor", "other"),
+}
+"""What a table gives for each kind of place."""
 
 
 def build_effect(entry: EffectEntry, rig: Rig, registry: Mapping[str, type[Effect]]) -> Effect:
@@ -65,23 +73,37 @@ def _nearest(word: str, known: Mapping[str, Any]) -> str:
 def _place(table: str, entry: EffectEntry, cls: type[Effect], rig: Rig) -> Place:
     # Beside a sensor a position is the kind's own key, not its place.
     position = entry.position if entry.sensor is None else None
-    given = _without_none({"sleeve": entry.sleeve, "position": position, "sensor": entry.sensor})
-    allowed = tuple(p for p in cls.places if rig.structure.kind == "beam" or p == "sensor")
-    if len(given) != (1 if allowed else 0) or any(key not in allowed for key in given):
+    given = _without_none({"sleeve": entry.sleeve, "position": position, "sensor": entry.sensor, "other": entry.other})
+    allowed = tuple(KEYS[p] for p in cls.places if rig.structure.kind == "beam" or p == "sensor")
+    if tuple(given) not in (allowed or ((),)):
         shown = " and ".join(f"{key} = {_shown(value)}" for key, value in given.items())
         raise InputError(
             f"{table}: {entry.kind} with {shown or 'no place'}",
             _rule_of_places(entry.kind, allowed, rig),
-            f"give {' or '.join(allowed)}" if allowed else f"remove {' and '.join(given)}",
+            f"give {_either(allowed)}" if allowed else f"remove {' and '.join(given)}",
         )
     if entry.sleeve is not None:
         sleeve = _named(table, "sleeve", entry.sleeve, rig.sleeves)
         return Place(sleeve=entry.sleeve, position=sleeve.position)
+    if entry.sensor is not None and entry.other is not None:
+        return _pair(table, entry.sensor, entry.other, rig)
     if entry.sensor is not None:
         return Place(sensor=_named(table, "sensor", entry.sensor, rig.sensors).name)
     if position is not None and isinstance(rig.structure, Beam):
         _check_on_beam(f"{table}.position", position, rig.structure)
     return Place(position=position)
+
+
+def _pair(table: str, sensor: str, other: str, rig: Rig) -> Place:
+    """Two sensors, in the order of the rig: either may be named first."""
+    for key, name in (("sensor", sensor), ("other", other)):
+        _named(table, key, name, rig.sensors)
+    if sensor == other:
+        raise InputError(
+            f'{table}: sensor = other = "{sensor}"', "a pair is two sensors", "name the second one under other"
+        )
+    first, second = (each.name for each in rig.sensors if each.name in (sensor, other))
+    return Place(sensor=first, other=second)
 
 
 def _check_on_beam(key: str, position: float, beam: Beam) -> None:
@@ -93,9 +115,13 @@ def _check_on_beam(key: str, position: float, beam: Beam) -> None:
         )
 
 
-def _rule_of_places(kind: str, allowed: tuple[str, ...], rig: Rig) -> str:
+def _either(allowed: tuple[tuple[str, ...], ...]) -> str:
+    return " or ".join(" and ".join(keys) for keys in allowed)
+
+
+def _rule_of_places(kind: str, allowed: tuple[tuple[str, ...], ...], rig: Rig) -> str:
     if allowed:
-        return f"{kind} takes {'one of ' if len(allowed) > 1 else 'one '}{', '.join(allowed)}"
+        return f"{kind} takes {'one ' if len(allowed) == 1 else 'either '}{_either(allowed)}"
     return f"{kind} takes no place" if isinstance(rig.structure, Beam) else f"on an oscillator {kind} takes no place"
 
 
@@ -104,7 +130,8 @@ def _named(table: str, key: str, name: str, parts: tuple[Any, ...]) -> Any:
         if part.name == name:
             return part
     names = ", ".join(f'"{part.name}"' for part in parts) or "none"
-    raise InputError(f'{table}.{key} = "{name}"', f"the rig's {key}s are {names}", "name one of them")
+    group = "sensors" if key == "other" else f"{key}s"
+    raise InputError(f'{table}.{key} = "{name}"', f"the rig's {group} are {names}", "name one of them")
 
 
 def _settings(table: str, entry: EffectEntry, cls: type[Effect]) -> dict[str, Any]:

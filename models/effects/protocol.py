@@ -19,28 +19,30 @@ from models.rig import Sensor
 from models.structure import Structure
 
 Family = Literal["point force", "structure", "time", "measurement"]
-PlaceKind = Literal["sleeve", "position", "sensor"]
+PlaceKind = Literal["sleeve", "position", "sensor", "sensor pair"]
 StructureKind = Literal["beam", "oscillator"]
 Scale = Literal["log", "linear"]
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where an effect sits: a sleeve, a sensor, a position (m from the clamp), or nowhere in particular.
+    """Where an effect sits: a sleeve, a sensor or two, a position (m from the clamp), or nowhere in particular.
 
     ``position`` is also filled in for a sleeve by ``models.plant``, so that every point law knows its coordinate.
+    ``other`` is the second sensor of a pair, after the first in the order of the rig.
     """
 
     sleeve: str | None = None
     position: float | None = None
     sensor: str | None = None
+    other: str | None = None
 
     def __str__(self) -> str:
         """As an engineer says it: ``at sleeve 2``, ``at 0.830 m``, ``on P3``, or nothing."""
         if self.sleeve is not None:
             return f"at {self.sleeve}"
         if self.sensor is not None:
-            return f"on {self.sensor}"
+            return f"on {self.sensor}" + ("" if self.other is None else f" and {self.other}")
         return "" if self.position is None else f"at {self.position:.3f} m"
 
 

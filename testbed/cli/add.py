@@ -27,6 +27,7 @@ def add(
     sleeve: Annotated[str | None, typer.Option(metavar="NAME", help="At this sleeve.")] = None,
     position: Annotated[float | None, typer.Option(metavar="M", help="At this position, m from the clamp.")] = None,
     sensor: Annotated[str | None, typer.Option(metavar="NAME", help="On this sensor.")] = None,
+    other: Annotated[str | None, typer.Option(metavar="NAME", help="And on this one, of a pair.")] = None,
     against: Annotated[str | None, typer.Option(metavar="FRAME", help="base or ground, where the kind has it.")] = None,
     out: Out = None,
     without: Without = None,
@@ -35,7 +36,7 @@ def add(
     as_json: AsJson = False,
 ) -> None:
     """Add one effect and fit it: rig.updated.toml, compare.json and figures."""
-    given = {"sleeve": sleeve, "position": position, "sensor": sensor, "against": against}
+    given = {"sleeve": sleeve, "position": position, "sensor": sensor, "other": other, "against": against}
     settings = {key: value for key, value in given.items() if value is not None}
     with progress() as tell:
         from testbed.add_run import check_effect, run_add

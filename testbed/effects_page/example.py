@@ -71,6 +71,8 @@ def place_for(kind: type[Effect], bench: Bench) -> Place:
         return Place(position=round(ALONG * rig.structure.length, 2))
     if "sensor" in kind.places:
         return Place(sensor=rig.sensors[len(rig.sensors) // 2].name)
+    if "sensor pair" in kind.places:
+        return Place(sensor=rig.sensors[len(rig.sensors) // 2].name, other=rig.sensors[-1].name)
     return Place()
 
 

@@ -47,6 +47,7 @@ Tables, signatures and pictures are made from the library by `{COMMAND}`.
 - `q` and `v` are relative to the base, that is the clamp and the sleeves, which move together where the base is driven.
   `against = "ground"` makes them absolute.
 - Time starts at each record's first sample. At rest friction and hysteresis carry no force (`z = 0`).
+- A sensor pair is `sensor` and `other`, whichever comes first.
 - A sleeve and its position are the same place. On an oscillator an effect has no place, unless it sits on a sensor.
 - Effects act in the order of the file. Those that change a sleeve (its clearance, offset, stiffness, damping) change
   what another effect there sees, wherever it stands in the file; of two that replace the same thing the last counts.
@@ -108,12 +109,12 @@ def words_of(kind: type[Effect]) -> str:
 
 
 def parameters_of(kind: type[Effect]) -> str:
-    """Parameters with their units, in the order of the class.
+    """Parameters with their units, in the order of the class, or a dash.
 
     Args:
         kind: of the library.
     """
-    return ", ".join(f"`{name}` {about.unit}" for name, about in kind.parameters().items())
+    return ", ".join(f"`{name}` {about.unit}" for name, about in kind.parameters().items()) or "-"
 
 
 def place_of(kind: type[Effect]) -> str:
@@ -165,7 +166,7 @@ def _section(kind: type[Effect]) -> str:
         "",
         f"![{kind.kind}: where it shows and what it does]({FIGURES}/{kind.kind}.png)",
         "",
-        f"Parameters: {numbers}{_options(kind)}. Source: {kind.source}.",
+        f"Parameters: {numbers or 'none'}{_options(kind)}. Source: {kind.source}.",
         "",
     ]
     return "\n".join(lines)

@@ -20,8 +20,12 @@ PATTERN = (
 """A quarter with nothing hidden, 55 % with one effect, a tenth each with two and with one outside the library."""
 
 
-KINDS: Mapping[str, type[Effect]] = {kind: cls for kind, cls in EFFECTS.items() if "beam" in cls.structures}
-"""Of the library, that a beam can have."""
+KINDS: Mapping[str, type[Effect]] = {
+    kind: cls
+    for kind, cls in EFFECTS.items()
+    if "beam" in cls.structures and any(about.fitted for about in cls.parameters().values())
+}
+"""Of the library, that a beam can have, with a size by which a case is drawn: sensors are exchanged or they are not."""
 
 
 @dataclass(frozen=True)

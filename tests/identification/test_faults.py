@@ -18,6 +18,7 @@ from models.effects.point_mass import PointMass
 from models.effects.sensor_delay import SensorDelay
 from models.effects.sensor_gain import SensorGain
 from models.effects.sensor_position import SensorPosition
+from models.effects.sensor_swap import SensorSwap
 
 P3 = REFERENCE.sensor("P3")
 ON_P3 = Place(sensor="P3")
@@ -52,10 +53,30 @@ def looked_at(*effects, own=(), sigmas=None):
 )
 def test_a_channel_that_contradicts_the_others_is_named(effect):
     seen = looked_at(effect)
-    assert seen.sensors == ("P3",)
+    assert seen.channels == (ON_P3,)
     assert effect.kind in seen.kinds(EFFECTS)
     assert all("sensor" in kind.places for kind in seen.kinds(EFFECTS).values())
     assert "P3 contradicts the other channels" in seen.words
+
+
+@pytest.mark.parametrize(("one", "other"), [("P3", "P6"), ("P7", "P8")])
+def test_two_channels_that_agree_when_exchanged_are_named(one, other):
+    pair = Place(sensor=one, other=other)
+    seen = looked_at(SensorSwap(pair))
+    assert seen.channels == (pair,)
+    assert set(seen.kinds(EFFECTS)) == {"sensor_swap"}
+    assert pair in seen.beside(REFERENCE)
+    assert f"{one} and {other} seem to be exchanged" in seen.words
+
+
+def test_exchanging_channels_twice_changes_nothing():
+    (target,) = evaluator_of(measured(Hypothesis(REFERENCE), multisine(1024))).timed
+    once = target.exchanged("P1", "P3")
+    rows = [target.record.sensors.index(name) for name in ("P1", "P3")]
+    np.testing.assert_array_equal(once.measured[rows], target.measured[rows[::-1]])
+    np.testing.assert_array_equal(once.density[rows], target.density[rows[::-1]])
+    np.testing.assert_array_equal(once.exchanged("P3", "P1").measured, target.measured)
+    assert target.exchanged("P1", "nobody") is target
 
 
 @pytest.mark.parametrize(

@@ -31,6 +31,7 @@ PLACES = {
     "sleeve": Place(sleeve="outer", position=1.0),
     "position": Place(position=0.7),
     "sensor": Place(sensor="mid"),
+    "sensor pair": Place(sensor="tip", other="mid"),
 }
 
 

@@ -28,7 +28,7 @@ def test_a_row_says_what_the_class_says(kind):
     assert row["place"] == (" or ".join(cls.places) or "-")
     assert row["on"].split() == [{"beam": "B", "oscillator": "O"}[name] for name in cls.structures]
     units = ", ".join(f"`{name}` {about.unit}" for name, about in cls.parameters().items())
-    assert row["parameters"] == units
+    assert row["parameters"] == (units or "-")
 
 
 @pytest.mark.parametrize("kind", [kind for kind, cls in EFFECTS.items() if cls.options])

@@ -8,6 +8,7 @@ from models.effects import Place
 from models.effects.force_gain import ForceGain
 from models.effects.protocol import Measurement
 from models.effects.sensor_gain import SensorGain
+from models.effects.sensor_swap import SensorSwap
 from models.plant import build_plant
 
 MEASUREMENT = Measurement(("tip", "mid"), 1000.0, {})
@@ -30,6 +31,19 @@ def test_an_inverted_sensor_twice_is_the_truth():
     twice = flip.change_channels(flip.change_channels(CHANNELS, MEASUREMENT), MEASUREMENT)
     np.testing.assert_array_equal(twice, CHANNELS)
     assert "upside down" in flip.in_words()
+
+
+@pytest.mark.parametrize("place", [Place(sensor="tip", other="mid"), Place(sensor="mid", other="tip")])
+def test_two_sensors_exchange_their_channels_and_twice_is_the_truth(place):
+    swap = SensorSwap(place)
+    once = swap.change_channels(CHANNELS, MEASUREMENT)
+    np.testing.assert_array_equal(once, CHANNELS[::-1])
+    np.testing.assert_array_equal(swap.change_channels(once, MEASUREMENT), CHANNELS)
+
+
+def test_a_record_with_one_of_two_exchanged_sensors_is_as_it_was():
+    swap = SensorSwap(Place(sensor="tip", other="far"))
+    np.testing.assert_array_equal(swap.change_channels(CHANNELS, MEASUREMENT), CHANNELS)
 
 
 def test_the_true_force_is_what_the_channel_reads_over_the_gain():

@@ -48,6 +48,7 @@ EXAMPLES = {
     "sensor_gain": {"sensor": "P3", "gain": -1.0},
     "sensor_delay": {"sensor": "P3", "delay": 1e-3},
     "sensor_position": {"sensor": "P3", "position": 0.8},
+    "sensor_swap": {"sensor": "P3", "other": "P6"},
     "mains_hum": {"frequency": 50.0, "amplitude": 2.0},
     "force_gain": {"gain": 0.8},
     "base_motion": {"frequency": 30.0, "amplitude": 2.0},

@@ -12,7 +12,7 @@ from testbed.hidden_effects.imitation import Imitation
 from testbed.hidden_effects.motion import blank_record, channels_of
 from testbed.hidden_effects.outside import OUTSIDE_LAWS
 from testbed.hidden_effects.places import draw_place, is_apart, scene_at
-from testbed.hidden_effects.plan import Task
+from testbed.hidden_effects.plan import KINDS, Task
 from testbed.hidden_effects.rigs import draw_rig
 from testbed.hidden_effects.sets import REPORTED, SETS, TUNING
 from testbed.hidden_effects.sizes import sized
@@ -123,7 +123,7 @@ def test_a_third_of_the_sizes_is_small():
 
 def test_a_place_is_of_the_kind_that_the_effect_takes(trial):
     rng = np.random.default_rng(0)
-    for kind in EFFECTS.values():
+    for kind in KINDS.values():
         place = draw_place(kind, trial.rig, rng)
         has = [key for key in ("sleeve", "position", "sensor") if getattr(place, key) is not None]
         assert has == [] if not kind.places else has[0] in kind.places
