@@ -76,7 +76,8 @@ def pruned(session: Session, calibrated: Fit, found: Fit) -> list[tuple[int, Fit
         scale = misfit_of(found)
         if less is not None and (is_enough(less) or log_fit(found, scale) - log_fit(less, scale) < LEAST_EVIDENCE):
             gone, last = found.hypothesis.effects[index].label(), found.hypothesis.effects[-1].label()
-            session.decide(f"{gone} taken out again: beside {last} it explains nothing more")
+            why = "the noise is reached without it" if is_enough(less) else "it explains nothing more"
+            session.decide(f"{gone} taken out again: beside {last} {why}")
             taken.append((index, less))
             found = less
         else:

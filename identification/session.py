@@ -64,7 +64,7 @@ class Session:
     seed: int
     decisions: list[str] = field(default_factory=list)
     relearnt: bool = False
-    _ended: tuple[Fit, Fit] | None = None
+    _ended: tuple[Evaluator, Fit, Fit] | None = None
 
     def stage(self, label: str, hypothesis: Hypothesis) -> Stage:
         """A model on the way, with its errors on whole records, told.
@@ -99,13 +99,13 @@ class Session:
         Args:
             result: on a part of the records; that of the last one asked for is kept.
         """
-        if self._ended is None or self._ended[0] is not result:
+        if self._ended is None or self._ended[0] is not self.everything or self._ended[1] is not result:
             whole = self.all_predicted
             unknowns = (*unknowns_of(result.hypothesis, whole), *effect_unknowns(result.hypothesis))
             self.progress(f"fit on all {whole.extent}")
             ended = fit(whole, result.hypothesis, unknowns, max_iterations=LAST_ITERATIONS, tolerance=0.0, precise=True)
-            self._ended = result, ended
-        return self._ended[1]
+            self._ended = self.everything, result, ended
+        return self._ended[2]
 
     @property
     def all_predicted(self) -> Evaluator:
@@ -118,14 +118,14 @@ class Session:
         Args:
             result: that explains the part.
         """
-        ended = self.to_the_end(result)
+        ended, whole = self.to_the_end(result), self.all_predicted
         if ended.n_data <= result.n_data or ended.ratio <= NOISE_REACHED:
             return False
         self.decide(
-            f"{self.fitting.extent} are explained, all {self.all_predicted.extent} not: residual {ended.ratio:.2f} "
-            "times the noise; all are used from here on"
+            f"{self.fitting.extent} are explained, all {whole.extent} not: residual {ended.ratio:.2f} times the noise; "
+            "all are used from here on"
         )
-        self.fitting = self.all_predicted
+        self.fitting = whole
         return True
 
     def searching(self, base: Fit) -> Evaluator:
@@ -182,37 +182,41 @@ class Session:
         self.decide("all models fitted and weighed again on the lower noise")
         if first is not None:
             rounds = [*rounds[:-1], [_with_fit(first, best), *rounds[-1][1:]]]
-        return self.all_again(chain, rounds)
+        return self.all_again(chain, rounds, ended=best)
 
-    def all_again(self, chain: list[Fit], rounds: list[list[Ranked]]) -> tuple[list[Fit], list[list[Ranked]]]:
+    def all_again(
+        self, chain: list[Fit], rounds: list[list[Ranked]], ended: Fit | None = None
+    ) -> tuple[list[Fit], list[list[Ranked]]]:
         """The models so far and every refitted suspect, on the records and the noise as they are now.
 
         Args:
             chain: the models so far.
             rounds: effects ranked in each round.
+            ended: one of them that is there already.
         """
         rows = [[row for row in ranked if row.refitted] for ranked in rounds]
-        fits = [self.again([row.fit for row in ranked]) for ranked in rows]
+        fits = [self.again([row.fit for row in ranked], ended) for ranked in rows]
         again = [[_with_fit(*pair) for pair in zip(*both, strict=True)] for both in zip(rows, fits, strict=True)]
-        return self.again(chain), [reweighed(old, new) for old, new in zip(rounds, again, strict=True)]
+        return self.again(chain, ended), [reweighed(old, new) for old, new in zip(rounds, again, strict=True)]
 
-    def again(self, results: list[Fit]) -> list[Fit]:
+    def again(self, results: list[Fit], ended: Fit | None = None) -> list[Fit]:
         """The fits again on the noise as it is now.
 
         Args:
             results: each at its minimum under another noise.
+            ended: one of them that is there already.
         """
-        return [
-            fit(
-                self.fitting,
-                result.hypothesis,
-                result.unknowns,
-                max_iterations=4,
-                tolerance=REWEIGHING_TOLERANCE,
-                precise=True,
-            )
-            for result in results
-        ]
+        return [result if result is ended else self._again(result) for result in results]
+
+    def _again(self, result: Fit) -> Fit:
+        return fit(
+            self.fitting,
+            result.hypothesis,
+            result.unknowns,
+            max_iterations=4,
+            tolerance=REWEIGHING_TOLERANCE,
+            precise=True,
+        )
 
 
 def _with_fit(row: Ranked, result: Fit) -> Ranked:

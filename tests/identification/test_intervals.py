@@ -10,6 +10,7 @@ from identification.fit import fit
 from identification.hypothesis import Hypothesis, coordinates, rig_unknowns
 from identification.intervals import corrected
 from identification.prepare import prepare
+from identification.scatter import widening
 from models.simulate import Settings
 
 
@@ -65,14 +66,15 @@ def test_coarse_steps_leave_no_trace_in_the_numbers():
     assert np.abs(pulls(found, truth)).max() < 4.0
 
 
-def test_without_noise_of_the_excitation_the_covariance_is_the_fits():
+def test_without_noise_of_the_excitation_the_intervals_are_the_fits_or_what_the_parts_scatter():
     truth = Hypothesis(oscillator())
     evaluator = evaluator_of(measured(truth, sweep(1024)))
     plain = fit(evaluator, truth, rig_unknowns(truth.rig))
 
     found = corrected(evaluator, plain, np.random.default_rng(0))
 
-    np.testing.assert_array_equal(found.covariance, plain.covariance)
+    factor = widening(evaluator, plain, found.jacobian * found.residual)
+    np.testing.assert_allclose(found.covariance, plain.covariance * np.outer(factor, factor), rtol=1e-3)
 
 
 def test_a_correction_that_is_none_is_not_made():
