@@ -113,9 +113,12 @@ def fit(
         refresh_all = not keep and (small or not POOR_SHARE < gained / max(promised, LEAST_GAIN) < 1.0 / POOR_SHARE)
         first = 0 if refresh_all or near else kept
         _differentiate(evaluator, state, unknowns, rows, range(first, len(unknowns)))
+        if near:
+            _along_valleys(evaluator, state, unknowns, rows)
         fresh = first == 0
     if precise and not near:
         _differentiate(evaluator, state, unknowns, rows, range(len(unknowns)))
+        _along_valleys(evaluator, state, unknowns, rows)
     normal = rows @ rows.T + np.diag(prior)
     chi2 = float(state.residual @ state.residual)
     return Fit(
@@ -207,6 +210,54 @@ def _difference(
         rows[k] = new - state.residual if unknowns[k].record is None else _only(evaluator, state, unknowns[k], new)
         rows[k] /= change
 
+
+def _along_valleys(evaluator: Evaluator, state: _State, unknowns: tuple[Unknown, ...], rows: FloatArray) -> None:
+    """Correct the rows along directions in which they nearly cancel, where their own errors would close a valley.
+
+    Differences of impacting motion are good to a hundredth. Of two rows whose difference is smaller than that, only a
+    difference along the valley itself tells what is left. Source: C. G. Broyden, Math. Comput. 19 (1965) 577, eq. 4.5.
+    """
+    for _ in range(VALLEY_ROUNDS):
+        norms = np.linalg.norm(rows, axis=1)
+        told = np.flatnonzero(norms > 0.0)
+        if not len(told):
+            return
+        unit = rows[told] / norms[told, None]
+        size, directions = np.linalg.eigh(unit @ unit.T)
+        weak = np.flatnonzero(size < NEARLY_CANCELLED**2)
+        if not len(weak):
+            return
+        for k in weak.tolist():
+            along = np.zeros(len(unknowns))
+            along[told] = directions[:, k] / norms[told]
+            slope = _slope_along(evaluator, state, unknowns, along, float(np.sqrt(max(size[k], 0.0))))
+            if slope is not None:
+                unit = unit + np.outer(directions[:, k], slope - directions[:, k] @ unit)
+        rows[told] = unit * norms[told, None]
+
+
+def _slope_along(
+    evaluator: Evaluator, state: _State, unknowns: tuple[Unknown, ...], along: FloatArray, size: float
+) -> FloatArray | None:
+    """(n_data,) central difference along a direction whose slope is about so large; None where a bound stops it."""
+    wanted = max(LEAST_CHANGE, SHARE_OF_RESIDUAL * float(np.linalg.norm(state.residual)))
+    length = min(wanted / max(size, 1e-12), VALLEY_STEP / np.abs(along).max())
+    there, back = (at_coordinates(state.hypothesis, unknowns, state.x + way * length * along) for way in (1.0, -1.0))
+    span = coordinates(there, unknowns) - coordinates(back, unknowns)
+    after, before = evaluator.residuals([(there, None), (back, None)])
+    if after is None or before is None or not np.allclose(span, 2.0 * length * along, rtol=1e-6, atol=1e-12):
+        return None
+    return np.asarray((after - before) / (2.0 * length))
+
+
+VALLEY_ROUNDS = 2
+"""What is left after the first correction has another direction."""
+
+NEARLY_CANCELLED = 0.05
+"""Norm of a combination of rows, each of norm 1, below which a hundredth of a row is no longer little."""
+
+VALLEY_STEP = 0.3
+"""Longest move of any unknown along a valley to either side, in its own coordinate."""
 
 LEAST_CHANGE, SHARE_OF_RESIDUAL = 3.0, 0.01
 """Norm, in standard deviations of the noise, by which a difference moves the residual: at least, and of its own."""

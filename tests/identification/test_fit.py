@@ -76,6 +76,28 @@ class Impact:
         return [self.force(h, self.unit) - self.measured for h, _ in hypotheses]
 
 
+class Rough:
+    """Only a sum of two gaps is seen, and what it does has kinks everywhere, as the motion between many impacts has."""
+
+    jobs, targets, repeats = 1, (), 1.0
+    unknowns = (Number("one", prior=True, step=0.05), Number("other", prior=True, step=0.05))
+    share, kinks, weight = 0.02, 400.0, 0.4
+
+    def __init__(self):
+        rng = np.random.default_rng(0)
+        self.slope, self.phase = 150.0 * rng.standard_normal(400), 2.0 * np.pi * rng.random(400)
+        self.measured, self.n_data = rng.standard_normal(400), 400
+
+    def residuals(self, hypotheses):
+        rows = []
+        for hypothesis, _ in hypotheses:
+            one, other = (unknown.get(hypothesis) for unknown in self.unknowns)
+            seen = one + self.weight * other
+            kinked = self.share * np.arcsin(np.sin(self.kinks * (seen + one) + self.phase)) / self.kinks
+            rows.append(self.slope * (seen + kinked) - self.measured)
+        return rows
+
+
 RNG = np.random.default_rng(1)
 MATRIX, RIGHT = 30.0 * RNG.standard_normal((40, 3)), 30.0 * RNG.standard_normal(40)
 NAMES = ("a", "b", "c")
@@ -238,6 +260,15 @@ def test_numbers_that_nearly_imitate_each_other_are_told_apart(exponent):
     assert found.ratio < 1.1
     assert found.hypothesis.values["n"] == pytest.approx(2.4 / 0.4, abs=4.0 * found.std()[1])
     assert found.hypothesis.values["gap"] == pytest.approx(0.3, abs=4.0 * found.std()[2])
+
+
+def test_rough_differences_close_no_valley():
+    """Two columns that are each wrong by a hundredth seemed to tell the gaps apart."""
+    found = fit(Rough(), replace(NOWHERE, values={"one": 0.4, "other": -1.0}), Rough.unknowns, precise=True)
+
+    assert found.penalty < 0.1
+    along = np.array([-Rough.weight, 1.0]) / np.hypot(Rough.weight, 1.0)
+    assert along @ found.covariance @ along == pytest.approx(1.0, rel=0.2)
 
 
 def test_only_the_prior_splits_a_product_that_the_data_tell():
