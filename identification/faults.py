@@ -106,7 +106,8 @@ def suspicion(evaluator: Evaluator, there: Fit) -> Suspicion:
     in_lines = _in_lines(evaluator, there)
     if in_lines:
         return in_lines
-    names = list(dict.fromkeys(name for target in evaluator.timed for name in target.record.sensors))
+    there_are = {name for target in evaluator.timed for name in target.record.sensors}
+    names = [sensor.name for sensor in there.hypothesis.rig.sensors if sensor.name in there_are]
     if len(names) < LEAST_SENSORS:
         return NO_SUSPICION
     alone = [Place(sensor=name) for name in names]
@@ -166,9 +167,8 @@ def _without_fault(target: TimeTarget, fault: Place) -> TimeTarget:
 
 def _left_in(window: Evaluator, there: Fit, alone: Sequence[Place], pairs: Sequence[Place]) -> dict[Place, float]:
     """The same with the numbers fitted on the beginning of the records; of the pairs only those that slopes promise."""
-    grounds = [fit(window, start, concerning(there, window), max_iterations=0) for start in _starts(there)]
-    promised = [_left_beside(window, ground, pairs) for ground in grounds]
-    least = {pair: min(row[pair] for row in promised) for pair in pairs}
+    promised = [_left_beside(window, ground, pairs) for ground in _grounds(window, there)]
+    least = {pair: min((row[pair] for row in promised), default=1.0) for pair in pairs}
     promising = [pair for pair in sorted(pairs, key=least.__getitem__)[:MOST_PAIRS] if least[pair] < PROMISED]
     faults, by_one = [Place(), *alone, *promising], window.with_jobs(1)
 
@@ -189,6 +189,15 @@ def _excess(evaluator: Evaluator, base: Fit) -> float:
             continue
         least = min(least, found.cost - found.n_data)
     return least
+
+
+def _grounds(window: Evaluator, there: Fit) -> Iterator[Fit]:
+    """The models that fits on the beginning start from, with their slopes; without those that diverge."""
+    for start in _starts(there):
+        try:
+            yield fit(window, start, concerning(there, window), max_iterations=0)
+        except ArithmeticError:
+            continue
 
 
 def _starts(base: Fit) -> Iterator[Hypothesis]:

@@ -45,10 +45,13 @@ def corrected(evaluator: Evaluator, found: Fit, rng: np.random.Generator) -> Fit
         found: the fit at its minimum.
         rng: for the realisations of the excitation's noise.
 
+    Intervals are widened by what parts of the records disagree about (``scatter``) where all of them are in time.
     Source: defect correction, K. Boehmer, P. W. Hemker, H. J. Stetter, Computing Suppl. 5 (1984) 1; the covariance is
     that of a misspecified likelihood, H. White, Econometrica 50 (1982) 1, theorem 3.2; the bias is that of errors in
     variables, T. Soderstrom, Automatica 43 (2007) 939, section 5, in its nonlinear form.
     """
+    if not found.unknowns:
+        return found
     moved = _finely(evaluator, found) if evaluator.timed else found
     known = replace(moved, covariance=_covariance(evaluator, moved, rng))
     free, bias = _unbiased(evaluator, known, moved.covariance, rng)

@@ -180,7 +180,9 @@ class Session:
         if best is found:
             return chain, rounds
         self.decide("all models fitted and weighed again on the lower noise")
-        if first is not None:
+        if first is None:
+            chain = [*chain[:-1], best]
+        else:
             rounds = [*rounds[:-1], [_with_fit(first, best), *rounds[-1][1:]]]
         return self.all_again(chain, rounds, ended=best)
 
