@@ -122,19 +122,19 @@ class TimeTarget:
         )
 
     def exchanged(self, name: str, other: str) -> "TimeTarget":
-        """With what the channels of two sensors hold exchanged, if it has both."""
+        """With what the channels of two sensors hold exchanged, and their own noise with it, if it has both.
+
+        What the model carries from the excitation stays: it belongs to the place, not to the cable.
+        """
         if not {name, other} <= set(self.record.sensors):
             return self
         here, there = self.record.sensors.index(name), self.record.sensors.index(other)
         order = np.arange(len(self.record.sensors))
         order[[here, there]] = there, here
         record, driven = (replace(each, responses=each.responses[order]) for each in (self.record, self.driven))
-        noise = replace(self.noise, sensors=self.noise.sensors[order])
-        carried = self.carried[:, order] if len(self.carried) else self.carried
-        measured, density = self.measured[order], self.density[order]
-        return replace(
-            self, record=record, noise=noise, measured=measured, density=density, driven=driven, carried=carried
-        )
+        noise, own = replace(self.noise, sensors=self.noise.sensors[order]), self.with_noise(self.noise).density
+        density = np.maximum(self.density - own, 0.0) + own[order]
+        return replace(self, record=record, noise=noise, measured=self.measured[order], density=density, driven=driven)
 
     def spectrum(self, channels: FloatArray) -> ComplexArray:
         """(n, lines) spectrum of what was simulated, as far as it is judged."""

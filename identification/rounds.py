@@ -34,7 +34,7 @@ def look_round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
     if suspected:
         session.decide(suspected.words)
         faults = replace(first, registry=suspected.kinds(instant), channels=suspected.channels)
-        ranked = judge([faults], session.fitting, base, session.progress)
+        ranked = session.carried_through(judge([faults], session.fitting, base, session.progress))
         first = replace(first, channels=suspected.beside(base.hypothesis.rig))
     if not (ranked and ranked[0].fit.ratio <= NOISE_REACHED):
         views = [first]

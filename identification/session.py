@@ -7,7 +7,7 @@ import numpy as np
 
 from identification.assess import score
 from identification.calibrate import unknowns_of
-from identification.evaluate import Evaluator
+from identification.evaluate import Evaluator, carry_noise
 from identification.evidence import Ranked, reweighed
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, effect_unknowns
@@ -166,6 +166,27 @@ class Session:
             self.relearnt = True
             result = self.resolve(fit(self.fitting, result.hypothesis, result.unknowns, precise=True))
         return result
+
+    def carried_through(self, ranked: list[Ranked]) -> list[Ranked]:
+        """The ranking with the excitation's noise carried through its best model, if only then the noise is reached.
+
+        A sensor that reads what another should also has the other's share of that noise.
+
+        Args:
+            ranked: faults of the measurement.
+        """
+        if not ranked or ranked[0].fit.ratio <= NOISE_REACHED:
+            return ranked
+        before, model = (self.everything, self.fitting), ranked[0].fit.hypothesis
+        for_both = [np.random.default_rng(self.seed) for _ in before]
+        self.everything, self.fitting = (
+            each.with_targets(carry_noise(each, model, rng)) for each, rng in zip(before, for_both, strict=True)
+        )
+        _, (again,) = self.all_again([], [ranked])
+        if again[0].fit.ratio <= NOISE_REACHED:
+            return again
+        self.everything, self.fitting = before
+        return ranked
 
     def reweigh(self, chain: list[Fit], rounds: list[list[Ranked]]) -> tuple[list[Fit], list[list[Ranked]]]:
         """Fits and evidence on the noise that the best effect of the last round leaves, where that is clearly lower.

@@ -141,7 +141,7 @@ def _settings(table: str, entry: EffectEntry, cls: type[Effect]) -> dict[str, An
         if key not in known:
             raise InputError(
                 f"{table}.{key} = {_shown(given[key])}",
-                f"{entry.kind} has {', '.join(known)}",
+                f"{entry.kind} has {', '.join(known) or 'no numbers'}",
                 _nearest(key, known) or f"remove {key}",
             )
     settings: dict[str, Any] = {}

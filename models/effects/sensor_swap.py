@@ -4,13 +4,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-from models.arrays import FloatArray
-from models.effects.protocol import Effect, Family, Measurement, PlaceKind, Scene, Signature
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature
+from models.rig import Sensor
+from models.structure import Structure
 
 
 @dataclass(frozen=True)
 class SensorSwap(Effect):
-    """Each of two channels reads what the other should; a record that holds one of them only is left as it is."""
+    """Each of two sensors sits, and reads, where and what the other should."""
 
     kind: ClassVar[str] = "sensor_swap"
     family: ClassVar[Family] = "measurement"
@@ -28,15 +29,14 @@ class SensorSwap(Effect):
         """There is one way to exchange two."""
         yield cls(scene.place)
 
-    def change_channels(self, channels: FloatArray, measurement: Measurement) -> FloatArray:
-        """The two channels exchanged."""
-        pair = [name for name in (self.place.sensor, self.place.other) if name in measurement.sensors]
-        if len(pair) < 2:
-            return channels
-        here, there = (measurement.sensors.index(name) for name in pair if name is not None)
-        changed = channels.copy()
-        changed[[here, there]] = channels[[there, here]]
-        return changed
+    def change_sensors(self, sensors: tuple[Sensor, ...], structure: Structure) -> tuple[Sensor, ...]:  # noqa: ARG002
+        """Each of the two under the other's name."""
+        other = {self.place.sensor: self.place.other, self.place.other: self.place.sensor}
+        by_name = {sensor.name: sensor for sensor in sensors}
+        return tuple(
+            by_name[name].model_copy(update={"name": sensor.name}) if (name := other.get(sensor.name)) else sensor
+            for sensor in sensors
+        )
 
     def in_words(self) -> str:
         """When it acts and what it does."""

@@ -56,7 +56,10 @@ def add(
     print_table(("model", "NRMSE"), [(model.label, model.nrmse) for model in added.models], "error")
     numbers = added.comparison["added"]["parameters"].items()
     rows = [(name, measured(number), number["unit"]) for name, number in numbers]
-    print_table(("parameter", "value", "unit"), rows, added.effect.label())
+    if rows:
+        print_table(("parameter", "value", "unit"), rows, added.effect.label())
+    else:
+        say(f"{added.effect.label()}: {added.effect.in_words()}")
     moved = added.comparison["calibrated"].items()
     calibrated = [(name, row["given"], measured(row), row["unit"], f"{row['sigmas']:+.1f}") for name, row in moved]
     if calibrated:

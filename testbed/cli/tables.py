@@ -85,9 +85,9 @@ def print_diagnosis(content: Mapping[str, Any]) -> None:
         rows = [("noise" if label == "noise_nrmse" else label, error) for label, error in content["holdout"].items()]
         print_table(("kept aside", "NRMSE"), rows)
     effects = [
-        (named(effect), chance_of(effect["probability"]), name, measured(number), number["unit"])
+        (named(effect), chance_of(effect["probability"]), *number)
         for effect in content["effects"]
-        for name, number in effect["parameters"].items()
+        for number in _numbers(effect)
     ]
     if effects:
         print_table(("added", "probability", "parameter", "value", "unit"), effects)
@@ -100,6 +100,12 @@ def print_diagnosis(content: Mapping[str, Any]) -> None:
         say(f"note: {finding}")
     say(f"verdict: {content['verdict']}")
     print_next(content["next_experiment"])
+
+
+def _numbers(effect: Mapping[str, Any]) -> list[tuple[str | None, str | None, str | None]]:
+    """Name, value and unit of each; one empty row where it has none."""
+    rows = effect["parameters"].items()
+    return [(name, measured(number), number["unit"]) for name, number in rows] or [(None, None, None)]
 
 
 def print_next(content: Mapping[str, Any]) -> None:
@@ -149,7 +155,8 @@ def named(effect: Mapping[str, Any]) -> str:
     if "sleeve" in effect:
         return f"{effect['kind']}{against} at {effect['sleeve']}"
     if "sensor" in effect:
-        return f"{effect['kind']}{against} on {effect['sensor']}"
+        pair = f" and {effect['other']}" if "other" in effect else ""
+        return f"{effect['kind']}{against} on {effect['sensor']}{pair}"
     return f"{effect['kind']}{against}" + (f" at {effect['position']:.3f} m" if "position" in effect else "")
 
 

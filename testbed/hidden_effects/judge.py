@@ -113,7 +113,7 @@ class _Beam:
 
     def same(self, one: Json, other: Json) -> bool:
         """The same kind at the same place; a sleeve is where it is."""
-        if one["kind"] != other["kind"] or one.get("sensor") != other.get("sensor"):
+        if any(one.get(key) != other.get(key) for key in ("kind", "sensor", "other")):
             return False
         here, there = one.get("sleeve"), other.get("sleeve")
         if here is not None and there is not None:

@@ -153,4 +153,4 @@ def _in_words(miss: Json) -> str:
 
 def _effect(effect: Json) -> str:
     place = next((f" at {effect[key]}" for key in ("sleeve", "position", "sensor") if effect.get(key) is not None), "")
-    return f"{effect['kind']}{place}"
+    return f"{effect['kind']}{place}" + (f" and {effect['other']}" if effect.get("other") else "")

@@ -39,6 +39,7 @@ def draw_place(kind: type[Effect], rig: Rig, rng: np.random.Generator) -> Place:
         return Place(sleeve=sleeve.name, position=sleeve.position)
     if chosen == "sensor":
         return Place(sensor=rig.sensors[int(rng.integers(len(rig.sensors)))].name)
+    assert chosen == "position"
     assert isinstance(rig.structure, Beam)
     return Place(position=round(float(rng.uniform(*ENDS)) * rig.structure.length, 3))
 

@@ -77,6 +77,13 @@ def test_without_noise_of_the_excitation_the_intervals_are_the_fits_or_what_the_
     np.testing.assert_allclose(found.covariance, plain.covariance * np.outer(factor, factor), rtol=1e-3)
 
 
+def test_a_model_without_unknowns_is_its_own_correction():
+    truth = Hypothesis(oscillator())
+    evaluator = evaluator_of(measured(truth, sweep(1024), force_noise=0.01))
+    plain = fit(evaluator, truth, ())
+    assert corrected(evaluator, plain, np.random.default_rng(0)) is plain
+
+
 def test_a_correction_that_is_none_is_not_made():
     truth = Hypothesis(oscillator())
     evaluator = evaluator_of(measured(truth, sweep(1024)))

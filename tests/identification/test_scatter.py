@@ -5,6 +5,7 @@ from trial_records import REFERENCE, evaluator_of, measured, multisine
 
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, coordinates, rig_unknowns
+from identification.intervals import corrected
 from identification.scatter import widening
 from models.effects import Place
 from models.effects.sensor_gain import SensorGain
@@ -40,6 +41,8 @@ def test_what_every_channel_misses_a_little_widens_to_hold_the_truth():
         *(SensorGain(Place(sensor=s.name), gain=g) for s, g in zip(REFERENCE.sensors, gains, strict=True))
     )
     factor = widening(evaluator, found, found.jacobian * found.residual)
+    told = corrected(evaluator, found, np.random.default_rng(0))
+    np.testing.assert_allclose(told.std() / found.std(), factor, rtol=0.2)
     before, after = pulls(found), pulls(found) / factor
     assert found.ratio < 1.1
     assert np.sqrt(np.mean(before**2)) > 2.0

@@ -61,8 +61,22 @@ def test_a_part_is_enough_where_the_whole_is_explained_too():
     assert session.decisions == []
 
 
-def test_the_last_fit_is_made_once():
+def test_the_last_fit_is_made_once_for_the_same_records():
     session, part = session_on(Hypothesis(RIG), 1.0)
 
-    assert session.to_the_end(part) is session.to_the_end(part)
-    assert session.to_the_end(part).ratio == pytest.approx(1.0, abs=0.1)
+    first = session.to_the_end(part)
+
+    assert session.to_the_end(part) is first
+    assert first.ratio == pytest.approx(1.0, abs=0.1)
+    session.everything = session.everything.with_targets(session.everything.targets)
+    assert session.to_the_end(part) is not first
+
+
+def test_a_fit_that_has_ended_is_not_made_again():
+    session, part = session_on(Hypothesis(RIG), 1.0)
+    ended, other = session.again([part, part])
+
+    chain, _ = session.all_again([ended, other], [], ended=ended)
+
+    assert chain[0] is ended
+    assert chain[1] is not other

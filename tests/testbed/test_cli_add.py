@@ -11,6 +11,7 @@ from models.effects.protocol import Scene
 from models.rig_file import read_rig
 from testbed.add import trials_at
 from testbed.cli.app import main
+from testbed.cli.tables import print_diagnosis
 
 
 @pytest.fixture(scope="module")
@@ -54,6 +55,23 @@ def test_the_grease_is_fitted_and_remembered(folder, capsys):
     models = json.loads((folder / "a" / "history" / "history.json").read_text())["entries"]
     assert [entry["model"] for entry in models] == ["as given", "+ squeeze_film at sleeve 2"]
     assert models[0]["nrmse"] > 20.0 * models[1]["nrmse"]
+
+
+def test_exchanged_sensors_have_no_number_to_fit(folder, capsys):
+    pair = ["--sensor", "P3", "--other", "P1"]
+    assert main(["add", "rig.toml", "sensor_swap", *pair, "--fit", "burst.csv", "--out", "swapped"]) == 0
+    assert "sensor_swap on P1 and P3: on two channels only" in capsys.readouterr().out
+    rig = read_rig(folder / "swapped" / "rig.updated.toml")
+    assert build_effect(rig.effects[0], rig, EFFECTS).place == Place(sensor="P1", other="P3")
+
+
+def test_an_effect_without_numbers_has_a_row_in_the_diagnosis(capsys):
+    swap = {"kind": "sensor_swap", "sensor": "P1", "other": "P3", "probability": 1.0, "parameters": {}}
+    empty = {"error": [], "holdout": {}, "candidates": [], "indistinguishable": [], "where": {}}
+    print_diagnosis(
+        {**empty, "effects": [swap], "verdict": "missing_effect", "next_experiment": {"do": "-", "why": "-"}}
+    )
+    assert "sensor_swap on P1 and P3" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

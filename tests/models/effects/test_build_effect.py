@@ -37,6 +37,8 @@ WRONG_ON_A_BEAM = [
      'the rig\'s sensors are "tip", "mid"', "name one of them"),
     ({"kind": "sensor_swap", "sensor": "tip", "other": "tip"}, 'new effect: sensor = other = "tip"',
      "a pair is two sensors", "name the second one under other"),
+    ({"kind": "sensor_swap", "sensor": "tip", "other": "mid", "gain": 1.0}, "new effect.gain = 1.0",
+     "sensor_swap has no numbers", "remove gain"),
     ({"kind": "sensor_gain", "sensor": "tip", "other": "mid", "gain": 1.0},
      'new effect: sensor_gain with sensor = "tip" and other = "mid"', "sensor_gain takes one sensor", "give sensor"),
     ({"kind": "point_mass", "position": 1.6, "mass": 1.0}, "new effect.position = 1.6 m", "the beam ends at 1.5 m",

@@ -9,7 +9,10 @@ from models.effects.force_gain import ForceGain
 from models.effects.protocol import Measurement
 from models.effects.sensor_gain import SensorGain
 from models.effects.sensor_swap import SensorSwap
+from models.linear import frf, linearised
+from models.modal import build_modal
 from models.plant import build_plant
+from models.structure import Structure
 
 MEASUREMENT = Measurement(("tip", "mid"), 1000.0, {})
 CHANNELS = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
@@ -34,16 +37,19 @@ def test_an_inverted_sensor_twice_is_the_truth():
 
 
 @pytest.mark.parametrize("place", [Place(sensor="tip", other="mid"), Place(sensor="mid", other="tip")])
-def test_two_sensors_exchange_their_channels_and_twice_is_the_truth(place):
-    swap = SensorSwap(place)
-    once = swap.change_channels(CHANNELS, MEASUREMENT)
-    np.testing.assert_array_equal(once, CHANNELS[::-1])
-    np.testing.assert_array_equal(swap.change_channels(once, MEASUREMENT), CHANNELS)
+def test_two_sensors_are_exchanged_and_twice_is_the_truth(place):
+    swap, structure = SensorSwap(place), Structure.of(BEAM.structure)
+    once = swap.change_sensors(BEAM.sensors, structure)
+    assert [(sensor.name, sensor.position) for sensor in once] == [("tip", 0.7), ("mid", 1.5)]
+    assert swap.change_sensors(once, structure) == BEAM.sensors
 
 
-def test_a_record_with_one_of_two_exchanged_sensors_is_as_it_was():
-    swap = SensorSwap(Place(sensor="tip", other="far"))
-    np.testing.assert_array_equal(swap.change_channels(CHANNELS, MEASUREMENT), CHANNELS)
+def test_exchanged_sensors_show_in_the_frf_and_in_a_record_without_the_other():
+    swapped = build_plant(BEAM, extra=(SensorSwap(Place(sensor="tip", other="mid")),))
+    frequency, both = np.linspace(5.0, 60.0, 12), ("tip", "mid")
+    plain, changed = (frf(linearised(build_modal(p, 100.0)), frequency, both) for p in (build_plant(BEAM), swapped))
+    np.testing.assert_allclose(changed, plain[::-1])
+    np.testing.assert_allclose(frf(linearised(build_modal(swapped, 100.0)), frequency, ("tip",))[0], plain[1])
 
 
 def test_the_true_force_is_what_the_channel_reads_over_the_gain():
