@@ -122,6 +122,29 @@ def bolted_beam(folder: DataFolder, *, out: Out = None, jobs: Jobs = 2, as_json:
     _say_bars(content, written, "bolted_beam", as_json=as_json)
 
 
+@study.command("article", epilog="Example: testbed study article --out results/article")
+def article(*, out: Out = None, as_json: AsJson = False) -> None:
+    """The rig of the article's case study: an assumed geometry, six clearances at rest and in motion."""
+    folder = out_folder(out, Path("article"))
+    with progress() as tell:
+        from testbed.article.run import run_article
+
+        content = run_article(folder, command=["testbed", *sys.argv[1:]], progress=tell)
+    from testbed.cli.tables import print_json, print_table, say
+
+    if as_json:
+        print_json(content)
+        return
+    rows = [
+        (1e3 * row["clearance"], *(f"{f:.2f}" for f in row["natural_freqs"]), *(f"{e:+.2%}" for e in row["errors"]))
+        for row in content["at_rest"]
+    ]
+    orders = range(1, 5)
+    heads = ("clearance [mm]", *(f"f{k} [Hz]" for k in orders), *(f"f{k} off" for k in orders))
+    print_table(heads, rows, "natural frequencies at rest, and against the article's test")
+    say(f"written: {folder}/README.md, article.json, rig_table.toml, rig_force.toml and figures")
+
+
 def _say_bars(content: Mapping[str, Any], folder: Path, name: str, *, as_json: bool) -> None:
     """What was to be reached and what was, and the exit status."""
     from testbed.cli.tables import print_json, print_table, say

@@ -1,0 +1,1 @@
+"""The article's case study, as a virtual experiment."""

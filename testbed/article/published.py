@@ -1,0 +1,50 @@
+"""What the article printed."""
+
+import tomllib
+from functools import cache
+from pathlib import Path
+
+from pydantic import BaseModel, ConfigDict
+
+FILE = Path(__file__).parent / "published.toml"
+
+Four = tuple[float, float, float, float]
+Eight = tuple[float, float, float, float, float, float, float, float]
+
+
+class PrintedTest(BaseModel):
+    """The tables of one clearance: four natural frequencies, and errors of the FRF at eight points.
+
+    Attributes:
+        clearance: m.
+        measured_freqs, initial_freqs, updated_freqs: Hz, of the test, with constant and with time-varying damping.
+        initial_mac, updated_mac: of the four mode shapes.
+        initial_mre, initial_rmse, initial_frac, initial_csf, initial_csac: at the points, with constant damping.
+        updated_mre, updated_rmse, updated_frac, updated_csf, updated_csac: with time-varying damping.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    clearance: float
+    measured_freqs: Four
+    initial_freqs: Four
+    updated_freqs: Four
+    initial_mac: Four
+    updated_mac: Four
+    initial_mre: Eight
+    initial_rmse: Eight
+    initial_frac: Eight
+    initial_csf: Eight
+    initial_csac: Eight
+    updated_mre: Eight
+    updated_rmse: Eight
+    updated_frac: Eight
+    updated_csf: Eight
+    updated_csac: Eight
+
+
+@cache
+def published() -> tuple[PrintedTest, ...]:
+    """The six clearances, the smallest first."""
+    content = tomllib.loads(FILE.read_text(encoding="utf-8"))
+    return tuple(PrintedTest.model_validate(test) for test in content["tests"])

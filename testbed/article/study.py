@@ -1,0 +1,73 @@
+"""The study as far as it goes: the rig, what the clearance does at rest, and whether the tests strike both sleeves."""
+
+from dataclasses import dataclass
+
+from identification.progress import Progress
+from testbed.article.published import published
+from testbed.article.rig import Drive, Geometry, at_rest, calibrated, natural_freqs
+from testbed.article.strikes import Strikes, strikes
+
+DRIVES: tuple[Drive, ...] = ("table", "force")
+
+
+@dataclass(frozen=True)
+class AtRest:
+    """The rig at rest at one clearance.
+
+    Attributes:
+        clearance: m.
+        natural_freqs: Hz, of small motion.
+        measured_freqs: Hz, as the article printed them.
+        penetrations: of the rod into each sleeve, m; negative where it does not touch.
+    """
+
+    clearance: float
+    natural_freqs: tuple[float, ...]
+    measured_freqs: tuple[float, ...]
+    penetrations: tuple[float, ...]
+
+    @property
+    def errors(self) -> tuple[float, ...]:
+        """Relative, of each frequency."""
+        return tuple(ours / theirs - 1.0 for ours, theirs in zip(self.natural_freqs, self.measured_freqs, strict=True))
+
+
+@dataclass(frozen=True)
+class ArticleStudy:
+    """Results.
+
+    Attributes:
+        geometry: calibrated.
+        rests: one a clearance.
+        tests: one a clearance and drive.
+    """
+
+    geometry: Geometry
+    rests: tuple[AtRest, ...]
+    tests: tuple[Strikes, ...]
+
+
+def article_study(progress: Progress) -> ArticleStudy:
+    """Calibrate the rig, let it rest at the six clearances, and strike its sleeves.
+
+    Args:
+        progress: told what is being done.
+
+    Raises:
+        DivergenceError: the motion left the finite numbers.
+    """
+    progress("calibrating the assumed geometry to the frequencies at 0.5 mm")
+    geometry = calibrated()
+    clearances = [test.clearance for test in published()]
+    progress(f"striking the sleeves in {len(clearances) * len(DRIVES)} tests")
+    return ArticleStudy(
+        geometry,
+        tuple(_rest(geometry, test.clearance, test.measured_freqs) for test in published()),
+        tuple(strikes(geometry, clearance, drive) for drive in DRIVES for clearance in clearances),
+    )
+
+
+def _rest(geometry: Geometry, clearance: float, measured: tuple[float, ...]) -> AtRest:
+    rig = geometry.rig(clearance, "force")
+    penetrations = at_rest(rig).rest.penetration
+    return AtRest(clearance, tuple(natural_freqs(rig).tolist()), measured, tuple(penetrations.tolist()))
