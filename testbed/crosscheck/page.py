@@ -15,8 +15,9 @@ WHY = """\
   are thin rods, without rotary inertia, like the modal model.
 - **Geometry.** MuJoCo and Exudyn bend by finite angles; the sag and the force at rest show by how much that counts.
 - **Rotary inertia** of the sections is left out in all three here; the chain can count it by itself.
-- **Steps.** The modal step is of second order or better with impacts, Exudyn's of second order. MuJoCo's error is small
-  from the largest step on at which it is stable, and falls slowly from there.
+- **Steps.** The modal step is of second order or better with impacts, Exudyn's of second order; they soften
+  what its elements stiffen: the two errors meet, and refining one alone makes it worse. MuJoCo's error is small from
+  the largest step on at which it is stable, and falls slowly from there.
 - **Contact.** All three call one definition of the law at the depth and speed that they computed, so its stiffness is
   the set one by construction; what can differ is the force at rest.
 - **Impacts** make neighbouring motions part. Where a disturbance of one part in a billion grows beyond a thousandfold,

@@ -34,7 +34,7 @@ SEGMENT_SPANS = ((1.2, 1.7), (1.7, 2.4))
 """Segments in units of the engine's own choice; of them the number that puts sleeves where segments speak true."""
 
 STEP_RATES = (4e4,)
-"""Steps per second of the cables; Newton's tolerance makes still smaller ones worse, not better."""
+"""Steps per second of the cables; with smaller ones the error of the elements, of the other sign, stands alone."""
 
 
 def engine_for(task: Task, trial: Trial, truth: Truth, rng: np.random.Generator) -> tuple[str, Resolution]:
