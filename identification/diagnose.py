@@ -119,10 +119,7 @@ def _open(given: Hypothesis, records: Sequence[AnyRecord], seed: int, jobs: int,
     session = Session(everything, cut_to(everything, FIT_SECONDS, limits), limits, given.registry, progress, seed)
     for limit, target in zip(limits, everything.timed, strict=True):
         if limit.seconds < target.record.duration:
-            session.decide(
-                f"{limit.record}: neighbouring motions part by a factor of {limit.growth:.0e}, and the force's "
-                f"noise tears them apart by {limit.torn:.1%}; only the first {limit.seconds:.2f} s are used to fit"
-            )
+            session.decide(limit.in_words)
         session.decide(f"{limit.record}: sensors' noise from {target.noise.method}; {target.noise.excitation_method}")
     for rest in everything.at_rest:
         session.decide(f"{rest.record.name}: compared with the model linearised at rest; noise from {rest.method}")

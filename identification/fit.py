@@ -129,13 +129,17 @@ def fit(
         evaluator.n_data,
         state.residual,
         rows,
-        _inverse(normal),
+        inverse_of(normal),
         evaluator.repeats,
     )
 
 
-def _inverse(normal: FloatArray) -> FloatArray:
-    """The inverse in which what the data do not tell is not known, instead of known to be 0."""
+def inverse_of(normal: FloatArray) -> FloatArray:
+    """The inverse in which what the data do not tell is not known, instead of known to be 0.
+
+    Args:
+        normal: (n_unknowns, n_unknowns) information in the unknowns' own coordinates.
+    """
     value, vector = np.linalg.eigh(normal)
     return np.asarray((vector / np.maximum(value, NOT_TOLD)) @ vector.T)
 

@@ -45,7 +45,7 @@ def corrected(evaluator: Evaluator, found: Fit, rng: np.random.Generator) -> Fit
         found: the fit at its minimum.
         rng: for the realisations of the excitation's noise.
 
-    Intervals are widened by what parts of the records disagree about (``scatter``) where all of them are in time.
+    Intervals are widened by how far the numbers move as a mode, a channel or a record is left out (``scatter``).
     Source: defect correction, K. Boehmer, P. W. Hemker, H. J. Stetter, Computing Suppl. 5 (1984) 1; the covariance is
     that of a misspecified likelihood, H. White, Econometrica 50 (1982) 1, theorem 3.2; the bias is that of errors in
     variables, T. Soderstrom, Automatica 43 (2007) 939, section 5, in its nonlinear form.
@@ -55,9 +55,8 @@ def corrected(evaluator: Evaluator, found: Fit, rng: np.random.Generator) -> Fit
     moved = _finely(evaluator, found) if evaluator.timed else found
     known = replace(moved, covariance=_covariance(evaluator, moved, rng))
     free, bias = _unbiased(evaluator, known, moved.covariance, rng)
-    if evaluator.at_rest:
-        return free
-    residual = finer(evaluator, free.hypothesis).residuals([(free.hypothesis, None)])[0]
+    judge = finer(evaluator, free.hypothesis) if evaluator.timed else evaluator
+    residual = judge.residuals([(free.hypothesis, None)])[0]
     if residual is None:
         return free
     factor = widening(evaluator, free, free.jacobian * residual - bias)

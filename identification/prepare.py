@@ -144,6 +144,14 @@ class Horizon:
     seconds: float
     torn: float = 0.0
 
+    @property
+    def in_words(self) -> str:
+        """Why no more of the record is used."""
+        return (
+            f"{self.record}: neighbouring motions part by a factor of {self.growth:.0e}, and the force's "
+            f"noise tears them apart by {self.torn:.1%}; only the first {self.seconds:.2f} s are used to fit"
+        )
+
 
 def horizons(evaluator: Evaluator, hypothesis: Hypothesis) -> list[Horizon]:
     """Divergence of neighbouring motions in every time record, by simulating it beside two others.

@@ -186,6 +186,13 @@ class ModesTarget:
         return np.linspace(0.0, BAND_BEYOND * float(self.record.natural_freqs.max()), LINES + 1)[1:]
 
     @property
+    def mode_freqs(self) -> FloatArray:
+        """(n_data,) Hz of the measured mode that each number of a residual belongs to."""
+        freqs = self.record.natural_freqs
+        shapes = np.repeat(freqs, self.record.shapes.shape[1] * (2 if self._is_complex else 1))
+        return np.concatenate([freqs, shapes, freqs[self.damped]])
+
+    @property
     def excitation_position(self) -> float | None:
         """That of the rig."""
         return None

@@ -13,7 +13,7 @@ from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, effect_unknowns
 from identification.noise import Noise
 from identification.noise_left import noise_left, noise_uncovered, with_noise
-from identification.prepare import Horizon, cut_to, resolved
+from identification.prepare import Horizon, cut_to, horizons, resolved
 from identification.progress import Progress
 from identification.result import Stage
 from models.effects import Registry
@@ -100,12 +100,24 @@ class Session:
             result: on a part of the records; that of the last one asked for is kept.
         """
         if self._ended is None or self._ended[0] is not self.everything or self._ended[1] is not result:
+            self._foresee(result.hypothesis)
             whole = self.all_predicted
             unknowns = (*unknowns_of(result.hypothesis, whole), *effect_unknowns(result.hypothesis))
             self.progress(f"fit on all {whole.extent}")
             ended = fit(whole, result.hypothesis, unknowns, max_iterations=LAST_ITERATIONS, tolerance=0.0, precise=True)
             self._ended = self.everything, result, ended
         return self._ended[2]
+
+    def _foresee(self, hypothesis: Hypothesis) -> None:
+        """Shorten what is used of the records to what this model predicts, which may part from its neighbours sooner.
+
+        Past that the residual follows no slope: a fit ends in one of many pits there, and calls its walls an interval.
+        """
+        found = horizons(self.everything, hypothesis)
+        for index, (old, new) in enumerate(zip(self.limits, found, strict=True)):
+            if new.seconds < old.seconds:
+                self.limits[index] = new
+                self.decide(f"{new.in_words}, by the model that explains the beginning")
 
     @property
     def all_predicted(self) -> Evaluator:

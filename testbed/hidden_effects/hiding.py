@@ -14,6 +14,7 @@ from testbed.hidden_effects.places import draw_place, is_apart, scene_at
 from testbed.hidden_effects.plan import KINDS, NOTHING, OUTSIDE, TWO, Task
 from testbed.hidden_effects.sets import EACH_OF_TWO, FEW, FEW_SHARE, MANY, MOST
 from testbed.hidden_effects.sizes import ROUNDS, sized
+from testbed.hidden_effects.tolerated import tolerated
 from testbed.hidden_effects.trials import Trial
 
 PLACES = 2
@@ -106,6 +107,6 @@ def _one(
         if not trials:
             return None
         found = sized(trials[int(rng.integers(len(trials)))], imitation, wanted, rng)
-        if found is not None:
+        if found is not None and not tolerated(found[0], trial.rig, built):
             return found
     return None

@@ -1,6 +1,7 @@
 """The two sets of cases: one to tune the diagnosis on, one to report, with other seeds and other generators.
 
-Fixed before anything was tuned on the first; a change here makes other cases, and old ones have to be run again.
+Fixed before anything was tuned on the first; a change here makes other cases, and old ones have to be run again. The
+first 45 reported cases had the seed 2029; after the intervals were mended on them, the reported ones got another.
 """
 
 from dataclasses import dataclass
@@ -140,7 +141,7 @@ TUNING = CaseSet(
 
 REPORTED = CaseSet(
     name="reported",
-    seed=2029,
+    seed=2611,
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),
     length=Span(0.6, 2.4),

@@ -1,12 +1,16 @@
-"""Intervals widen where the parts of the records disagree, and only there."""
+"""Intervals widen where a number moves as a part of the data is left out, and only there."""
 
 import numpy as np
+import pytest
+from rest_records import frfs_of, modes_of
 from trial_records import REFERENCE, evaluator_of, measured, multisine
 
+from identification.evaluate import Evaluator
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, coordinates, rig_unknowns
 from identification.intervals import corrected
-from identification.scatter import widening
+from identification.rest_target import FrfTarget, ModesTarget
+from identification.scatter import beyond_noise, widening
 from models.effects import Place
 from models.effects.sensor_gain import SensorGain
 
@@ -47,3 +51,67 @@ def test_what_every_channel_misses_a_little_widens_to_hold_the_truth():
     assert found.ratio < 1.1
     assert np.sqrt(np.mean(before**2)) > 2.0
     assert np.sqrt(np.mean(after**2)) < 1.7
+
+
+N, PARTS = 4000, np.repeat(np.arange(8), 500)
+NONE = np.zeros(3)
+
+
+def straight_line(rng, *, step=0.0, alone=False):
+    """Slopes of three numbers, and noise to which each part adds its own share of the first slope."""
+    jacobian = rng.standard_normal((3, N))
+    if alone:
+        jacobian[2, PARTS != 0] = 0.0
+    residual = rng.standard_normal(N) + step * rng.standard_normal(8)[PARTS] * jacobian[0]
+    inverse = np.linalg.inv(jacobian @ jacobian.T)
+    move = -inverse @ (jacobian @ residual)
+    return jacobian, residual + move @ jacobian, move, np.diag(inverse)
+
+
+def test_a_part_left_out_moves_the_numbers_as_a_fit_without_it():
+    rng = np.random.default_rng(0)
+    jacobian, residual, _, known = straight_line(rng, step=0.5)
+    moves = []
+    for part in range(8):
+        rest = part != PARTS
+        rows, left = jacobian[:, rest], residual[rest]
+        moves.append(np.linalg.solve(rows @ rows.T, -rows @ left))
+    excess = beyond_noise(jacobian, jacobian * residual, PARTS, NONE, known)
+    jackknife = 7.0 / 8.0 * np.sum(np.square(moves), axis=0)
+    assert excess[0] == pytest.approx(jackknife[0], rel=0.05)
+    assert excess[0] > 30.0 * known[0]
+
+
+def test_noise_alone_is_seldom_beyond_itself_and_disagreement_holds_the_truth():
+    rng = np.random.default_rng(1)
+    quiet, pulls_of_all = [], []
+    for _ in range(100):
+        jacobian, residual, _, known = straight_line(rng)
+        quiet.append(np.sqrt(1.0 + beyond_noise(jacobian, jacobian * residual, PARTS, NONE, known) / known))
+        jacobian, residual, move, known = straight_line(rng, step=0.5)
+        excess = beyond_noise(jacobian, jacobian * residual, PARTS, NONE, known)
+        pulls_of_all.append(move[0] / np.sqrt(known[0] + excess[0]))
+    assert np.median(quiet) < 1.1
+    assert np.quantile(quiet, 0.95) < 1.6
+    assert np.mean(np.abs(pulls_of_all) < 1.96) > 0.88
+
+
+def test_a_number_that_one_part_alone_tells_is_contradicted_by_none():
+    jacobian, residual, _, known = straight_line(np.random.default_rng(2), step=0.5, alone=True)
+    excess = beyond_noise(jacobian, jacobian * residual, PARTS, NONE, known)
+    assert excess[2] < known[2]
+
+
+def test_frfs_of_two_rigs_disagree_and_those_of_one_do_not():
+    softer = {"youngs_modulus": 0.995 * TRUTH.rig.structure.youngs_modulus}
+    here, there = frfs_of(TRUTH), frfs_of(Hypothesis(TRUTH.rig.with_values(softer)), seed=2, name="other.uff")
+    again = frfs_of(TRUTH, seed=2, name="other.uff")
+    table = ModesTarget.of(modes_of(TRUTH))
+    apart, alike = (Evaluator([FrfTarget.of(here), FrfTarget.of(other), table], 1) for other in (there, again))
+    factors = []
+    for evaluator in (apart, alike):
+        found = fit(evaluator, TRUTH, UNKNOWNS, precise=True)
+        factors.append(widening(evaluator, found, found.jacobian * found.residual)[0])
+    assert len(table.mode_freqs) == table.n_data
+    assert factors[0] > 5.0
+    assert factors[1] < 2.0

@@ -12,6 +12,7 @@ from identification.prepare import Horizon, cut_to
 from identification.session import Session
 from models.effects import EFFECTS, Place
 from models.effects.cubic_stiffness import CubicStiffness
+from models.effects.end_stop import EndStop
 
 RIG = oscillator()
 LATE = np.linspace(0.05, 1.0, 8192) ** 3
@@ -80,3 +81,17 @@ def test_a_fit_that_has_ended_is_not_made_again():
 
     assert chain[0] is ended
     assert chain[1] is not other
+
+
+def test_a_record_is_used_as_far_as_the_model_that_explains_it_sees():
+    parting = Hypothesis(RIG, effects=(EndStop(Place(), stiffness=1e7, gap=1e-3),))
+    session, part = session_on(parting, 0.5)
+    assert part.ratio < 1.15  # the stop is not reached yet
+    found = fit(session.fitting, parting, part.unknowns, max_iterations=0)
+
+    ended = session.to_the_end(found)
+
+    assert 0.5 < session.limits[0].seconds < 4.0
+    assert ended.n_data < 0.9 * session.everything.n_data
+    assert "neighbouring motions part" in session.decisions[-1]
+    assert ended.ratio == pytest.approx(1.0, abs=0.1)

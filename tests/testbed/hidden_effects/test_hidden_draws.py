@@ -4,6 +4,10 @@ import numpy as np
 import pytest
 
 from models.effects import EFFECTS, Place
+from models.effects.clearance import Clearance
+from models.effects.contact_stiffness import ContactStiffness
+from models.effects.point_mass import PointMass
+from models.effects.youngs_modulus import YoungsModulus
 from models.plant import build_plant
 from testbed.hidden_effects.engines import engine_for
 from testbed.hidden_effects.forces import draw_blow, draw_multisine, schroeder_multisine
@@ -16,6 +20,7 @@ from testbed.hidden_effects.plan import KINDS, Task
 from testbed.hidden_effects.rigs import draw_rig
 from testbed.hidden_effects.sets import REPORTED, SETS, TUNING
 from testbed.hidden_effects.sizes import sized
+from testbed.hidden_effects.tolerated import tolerated
 from testbed.hidden_effects.trials import HELD, LEARNT, draw_trial
 from testbed.hidden_effects.truth import ENGINES, FINE, MODEL, Truth, measure
 from testbed.virtual.noise import Noise
@@ -110,6 +115,25 @@ def test_two_effects_are_of_two_kinds_at_two_places(trial, built):
             assert is_apart(one.place, other.place, built.structure.length)
             return
     pytest.fail("no pair was found on this rig")
+
+
+def test_a_number_within_four_of_its_tolerances_is_nothing_that_is_missing(trial, built):
+    sleeve = trial.rig.sleeves[0]
+    at = Place(sleeve=sleeve.name, position=sleeve.position)
+    there = built.sleeves[0]
+    of_built = trial.rig.structure.youngs_modulus / built.structure.youngs_modulus
+    for near, far in (
+        (YoungsModulus(Place(), ratio=1.035 * of_built), YoungsModulus(Place(), ratio=1.045 * of_built)),
+        (Clearance(at, clearance=0.9 * sleeve.clearance), Clearance(at, clearance=0.85 * sleeve.clearance)),
+        (
+            ContactStiffness(at, ratio=1.2 * sleeve.stiffness / there.stiffness),
+            ContactStiffness(at, ratio=1.25 * sleeve.stiffness / there.stiffness),
+        ),
+    ):
+        assert tolerated(near, trial.rig, built)
+        assert not tolerated(far, trial.rig, built)
+    assert not tolerated(Clearance(at, clearance=0.0), trial.rig, built)
+    assert not tolerated(PointMass(Place(position=0.5), mass=1e-6), trial.rig, built)
 
 
 def test_a_third_of_the_sizes_is_small():
