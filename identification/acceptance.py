@@ -21,6 +21,7 @@ from identification.result import Verdict
 from identification.rounds import takes_away
 from identification.session import NOISE_REACHED, Session
 from identification.tangent_ties import is_linear
+from identification.unseen import left_unseen
 
 LEAST_SHARE = 0.25
 """An effect is added, or described in more detail, only if that takes away this share of the squared misfit beyond the
@@ -35,6 +36,11 @@ outside the library finds an imitation in it that takes away most, the right one
 
 NOISE_DOUBTED = 1.25
 """Residual over noise up to which what nothing in the library explains may be the noise estimate's own error."""
+
+
+PREDICTS, LARGE_UNSEEN = 0.98, 2.0
+"""Share of the residual not fitted that an effect may leave at most, and from which residual over noise on nothing is
+predicted any more, neither with it nor without."""
 
 
 def is_enough(result: Fit) -> bool:
@@ -55,6 +61,8 @@ def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
     if odds < LEAST_EVIDENCE or (base.ratio > NOISE_REACHED and share < least):
         session.decide(f"{name} is the best of the library, but takes away only {share:.0%} of the misfit: not added")
         return None
+    if _is_passing(session, base, best):
+        return None
     session.decide(
         f"{name} added: residual from {base.ratio:.2f} to {best.fit.ratio:.2f} times the noise, "
         f"{min(share, 1.0):.0%} of the misfit beyond the noise; {best.effect.in_words()}"
@@ -62,6 +70,23 @@ def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
     if not session.everything.timed and not is_linear(best.fit.hypothesis):
         session.decide(f"{name} is seen by its tangent at rest alone: {AT_REST_ONLY}")
     return _refined(session, best.fit)
+
+
+def _is_passing(session: Session, base: Fit, best: Ranked) -> bool:
+    """Whether the effect explains an event in what was fitted, and nothing in the rest of the same tests."""
+    before = left_unseen(session, base)
+    if before is None or before > LARGE_UNSEEN:
+        return False
+    after = left_unseen(session, best.fit)
+    if after is None or after < PREDICTS * before:
+        return False
+    session.is_passing = before <= NOISE_DOUBTED
+    session.decide(
+        f"{best.effect.label()} takes the residual from {base.ratio:.2f} to {best.fit.ratio:.2f} times the noise where "
+        f"it was fitted, but from {before:.2f} to {after:.2f} times in the rest of the same records: not added, since "
+        "what is missing in a rig is there for as long as a test lasts"
+    )
+    return True
 
 
 def pruned(session: Session, calibrated: Fit, found: Fit) -> list[tuple[int, Fit]]:
@@ -135,6 +160,9 @@ def verdict_of(session: Session, calibrated: Fit, final: Fit, rounds: Sequence[S
         if not rounds or (calibrated.ratio <= NOISE_DOUBTED and not strained(calibrated)):
             motion = "" if session.everything.timed else " for small motion about rest"
             session.decide(f"complete: the calibrated model reaches the noise{motion}")
+            return "complete"
+        if session.is_passing and not strained(calibrated):
+            session.decide("complete: the calibrated model reaches the noise but for an event that passes")
             return "complete"
         session.decide("unexplained: nothing in the library explains what is left")
         return "unexplained"

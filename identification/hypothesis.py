@@ -7,7 +7,7 @@ deviation of what is known beforehand.
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import exp, log
+from math import exp, inf, log
 
 import numpy as np
 
@@ -132,7 +132,7 @@ class EffectUnknown(Unknown):
     """One fitted number of the effect with this index, in spreads of its prior (log), or in a unit near its size.
 
     Attributes:
-        trial: the value where the fit began, around which the prior lies.
+        trial: around which the prior lies: the value at which a factor changes nothing, or where the fit began.
         unit: of a linear number.
     """
 
@@ -287,7 +287,8 @@ def effect_unknowns(hypothesis: Hypothesis, *, places: bool = True) -> tuple[Unk
             unit = max(abs(float(value)), 1e-3 * about.spread)
             known = about.scale == "log"
             bounded = _on_beam(about, hypothesis.rig)
-            unknowns.append(EffectUnknown(index, entry, bounded, float(value), unit, about.step, prior=known))
+            trial = float(value) if about.neutral is None or about.neutral in (0.0, inf) else about.neutral
+            unknowns.append(EffectUnknown(index, entry, bounded, trial, unit, about.step, prior=known))
         if places and free_place(effect) and isinstance(hypothesis.rig.structure, Beam):
             unknowns.append(PlaceUnknown(index, hypothesis.rig.structure.length))
         unknowns += own_numbers(effect, index, [name for name in hypothesis.own if _has(hypothesis, name, effect)])

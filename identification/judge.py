@@ -104,7 +104,7 @@ def _finals(finalists: Sequence[Sketch], fitting: Evaluator, base: Fit, progress
     ordered = with_evidence(ranked)
     ordered = _settled(fitting, with_evidence([*ordered, *_at_sleeves(fitting, base, ordered)]), progress)
     for fit_there, farther in beaten:
-        behind = 0.5 * (farther**2 - 1.0) * ordered[0].fit.n_data / ordered[0].fit.repeats
+        behind = 0.5 * (farther**2 - 1.0) * ordered[0].fit.chi2 / misfit_in_common(ordered)
         evidence = ordered[0].log_evidence - behind
         ordered.append(Ranked(fit_there.hypothesis.effects[-1], fit_there, refitted=False, log_evidence=evidence))
     return ordered

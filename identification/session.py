@@ -54,6 +54,7 @@ class Session:
         seed: of the realisations of the excitation's noise.
         decisions: in order.
         relearnt: whether the noise was lowered on the way.
+        is_passing: whether what is left of the fitted part was found to be an event that passes.
     """
 
     everything: Evaluator
@@ -64,6 +65,7 @@ class Session:
     seed: int
     decisions: list[str] = field(default_factory=list)
     relearnt: bool = False
+    is_passing: bool = False
     _ended: tuple[Evaluator, Fit, Fit] | None = None
 
     def stage(self, label: str, hypothesis: Hypothesis) -> Stage:

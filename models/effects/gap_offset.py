@@ -28,11 +28,12 @@ class GapOffset(Effect):
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:
-        """15, 50 and 100 % of the clearance to either side; where there is none, of the largest displacement."""
+        """From 15 % to ten times the clearance to either side; where there is none, of the largest displacement."""
         assert scene.contact is not None
         gap = scene.contact.clearance or scene.displacement
-        for share in (0.15, -0.15, 0.5, -0.5, 1.0, -1.0):
+        for share in (0.15, 0.5, 2.0, 10.0):
             yield cls(scene.place, offset=share * gap)
+            yield cls(scene.place, offset=-share * gap)
 
     def change_contact(self, contact: Contact) -> Contact:
         """The contact around this centre."""

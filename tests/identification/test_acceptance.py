@@ -19,8 +19,8 @@ class Listener:
     class everything:  # noqa: N801
         timed = ("a record",)
 
-    def __init__(self):
-        self.decisions = []
+    def __init__(self, *, is_passing=False):
+        self.decisions, self.is_passing = [], is_passing
 
     def decide(self, text):
         self.decisions.append(text)
@@ -31,8 +31,8 @@ def fit_with_ratio(ratio, *, effect):
     return found if effect else replace(found, hypothesis=replace(found.hypothesis, effects=()), unknowns=())
 
 
-def called(calibrated, final=None, *, searched=True):
-    session = Listener()
+def called(calibrated, final=None, *, searched=True, is_passing=False):
+    session = Listener(is_passing=is_passing)
     base = fit_with_ratio(calibrated, effect=False)
     end = base if final is None else fit_with_ratio(final, effect=True)
     rounds = [[Ranked(MASS, end, refitted=True, log_evidence=0.0)]] if searched else []
@@ -59,6 +59,13 @@ def test_what_nothing_explains_is_complete_only_within_what_is_known_of_the_nois
     assert called(1.1, searched=False)[0] == "complete"
     assert called(1.2)[0] == "complete"
     assert called(1.4)[0] == "unexplained"
+
+
+def test_what_is_left_of_an_event_that_passes_is_no_effect():
+    verdict, words = called(1.6, is_passing=True)
+
+    assert verdict == "complete"
+    assert "but for an event that passes" in words
 
 
 def test_an_imitation_is_told_with_its_share():

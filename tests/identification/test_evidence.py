@@ -7,7 +7,16 @@ import numpy as np
 import pytest
 from trial_records import fit_of
 
-from identification.evidence import PLACES, SIMPLER, Ranked, log_occam, probabilities, reranked, with_evidence
+from identification.evidence import (
+    MODEL_ERROR,
+    PLACES,
+    SIMPLER,
+    Ranked,
+    log_occam,
+    probabilities,
+    reranked,
+    with_evidence,
+)
 from models.effects import Place
 from models.effects.bouc_wen import BoucWen
 from models.effects.point_damping import PointDamping
@@ -16,6 +25,11 @@ from models.effects.sensor_gain import SensorGain
 
 HERE = Place(position=0.7)
 MASS = PointMass(HERE, mass=0.3)
+
+
+N_DATA = 1000
+OWN = MODEL_ERROR * N_DATA
+"""What the unit of chi-square has beside the noise: the model's own error."""
 
 
 def ranked(effect, chi2, **about):
@@ -51,15 +65,17 @@ def test_what_the_channels_share_speaks_once():
     first, second = with_evidence(alone)
     again, other = with_evidence(shared)
 
-    assert first.log_evidence - second.log_evidence == pytest.approx(20.0)
-    assert again.log_evidence - other.log_evidence == pytest.approx(5.0)
+    assert first.log_evidence - second.log_evidence == pytest.approx(20.0 / (1.0 + OWN))
+    assert again.log_evidence - other.log_evidence == pytest.approx(20.0 / (4.0 + OWN))
 
 
 def test_the_evidence_of_a_log_number_is_laplaces():
     (only,) = with_evidence([ranked(MASS, 900.0)])
 
     # Half of chi-square, the posterior's width 0.01 beside the prior's 1, and the odds of a law with one number.
-    assert only.log_evidence == pytest.approx(-450.0 + log(0.01) - log(SIMPLER))
+    unit = 1.0 + OWN
+    assert only.fit.n_data == N_DATA
+    assert only.log_evidence == pytest.approx(-450.0 / unit + log(0.01 * sqrt(unit)) - log(SIMPLER), abs=1e-3)
 
 
 def test_the_occam_factor_of_a_place_and_of_a_linear_number():
@@ -89,9 +105,16 @@ def test_a_misfit_common_to_all_softens_the_judgement():
     def odds(rows):
         return rows[0].log_evidence - rows[1].log_evidence
 
-    assert odds(reached) == pytest.approx(50.0)
-    assert odds(missed) == pytest.approx(50.0)  # a hundred times the difference, a hundred times the scale
+    assert odds(reached) == pytest.approx(50.0 / (1.0 + OWN))
+    assert odds(missed) == pytest.approx(5000.0 / (100.0 + OWN))  # a hundred times the difference, and the noise's unit
     assert with_evidence([]) == []
+
+
+def test_a_difference_of_the_models_own_error_decides_nothing():
+    rich, poor = ranked(BoucWen(HERE, 3.0, 2e-5, 1.0), 99500.0), ranked(MASS, 100000.0)
+    many = [replace(row, fit=replace(row.fit, n_data=100000)) for row in (rich, poor)]
+
+    assert with_evidence(many)[0].effect is poor.effect
 
 
 def test_a_better_fit_of_the_first_keeps_the_order_honest():
@@ -103,5 +126,5 @@ def test_a_better_fit_of_the_first_keeps_the_order_honest():
 
     assert [row.effect.kind for row in again] == ["point_mass", "point_damping", "sensor_gain"]
     assert again[0].fit.chi2 == 1000.0
-    assert again[0].log_evidence - again[1].log_evidence == pytest.approx(300.0)
+    assert again[0].log_evidence - again[1].log_evidence == pytest.approx(300.0 / (1.0 + OWN))
     assert again[2].log_evidence - again[0].log_evidence == pytest.approx(behind)

@@ -1,0 +1,69 @@
+"""An effect that explains a second of a test and nothing of the rest is none."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from trial_records import evaluator_of, measured, multisine, oscillator
+
+from identification.acceptance import accepted
+from identification.evidence import Ranked, with_evidence
+from identification.fit import fit
+from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
+from identification.prepare import Horizon, cut_to
+from identification.session import Session
+from identification.unseen import left_unseen
+from models.effects import EFFECTS, Place
+from models.effects.cubic_stiffness import CubicStiffness
+
+RIG = oscillator(mass=1e-5, stiffness=1e-5, damping=1e-4)
+BENT = Hypothesis(RIG, effects=(CubicStiffness(Place(), stiffness=2e7),))
+N, PART = 8192, 1.0
+
+
+def session_on(truth, passing=None):
+    """A record of the truth, its first second perhaps another's, of which that second is fitted."""
+    force = multisine(N, rms=200.0)
+    record, noise = measured(truth, force)
+    if passing is not None:
+        other, _ = measured(passing, force)
+        early = np.arange(N) < PART * record.fs
+        record = replace(record, responses=np.where(early, other.responses, record.responses))
+    everything = evaluator_of((record, noise))
+    limits = [Horizon("test", 1.0, 4.0)]
+    return Session(everything, cut_to(everything, PART, limits), limits, EFFECTS, lambda _: None, 0)
+
+
+def fits_on(session):
+    """The rig without the effect and with it."""
+    base = fit(session.fitting, Hypothesis(RIG), rig_unknowns(RIG), precise=True)
+    found = fit(session.fitting, BENT, (*rig_unknowns(RIG), *effect_unknowns(BENT)), precise=True)
+    rows = with_evidence([Ranked(found.hypothesis.effects[-1], found, refitted=True, log_evidence=0.0)])
+    return base, found, rows
+
+
+def test_a_model_that_is_right_leaves_the_noise_where_nobody_fitted():
+    session = session_on(BENT)
+    base, found, rows = fits_on(session)
+
+    assert left_unseen(session, found) == pytest.approx(1.0, abs=0.05)
+    assert left_unseen(session, base) > 1.15
+    assert accepted(session, base, rows) is not None
+    assert not session.is_passing
+
+
+def test_an_event_that_passes_is_not_explained_by_a_law():
+    session = session_on(Hypothesis(RIG), passing=BENT)
+    base, found, rows = fits_on(session)
+    assert base.ratio > 1.15
+    assert found.ratio < 1.1
+
+    assert accepted(session, base, rows) is None
+    assert session.is_passing
+    assert "as long as a test lasts" in session.decisions[-1]
+
+
+def test_what_was_fitted_whole_has_no_rest():
+    session = session_on(BENT)
+    whole = replace(session, fitting=session.everything)
+    assert left_unseen(whole, fits_on(session)[0]) is None
