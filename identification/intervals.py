@@ -53,8 +53,9 @@ def corrected(evaluator: Evaluator, found: Fit, rng: np.random.Generator) -> Fit
     if not found.unknowns:
         return found
     moved = _finely(evaluator, found) if evaluator.timed else found
-    known = replace(moved, covariance=_covariance(evaluator, moved, rng))
-    free, bias = _unbiased(evaluator, known, moved.covariance, rng)
+    quick = evaluator.with_settings(Settings(evaluator.settings.n_modes))  # what noise changes needs no short steps
+    known = replace(moved, covariance=_covariance(quick, moved, rng))
+    free, bias = _unbiased(quick, known, moved.covariance, rng)
     judge = finer(evaluator, free.hypothesis) if evaluator.timed else evaluator
     residual = judge.residuals([(free.hypothesis, None)])[0]
     if residual is None:

@@ -1,7 +1,8 @@
 """The two sets of cases: one to tune the diagnosis on, one to report, with other seeds and other generators.
 
-Fixed before anything was tuned on the first; a change here makes other cases, and old ones have to be run again. The
-first 45 reported cases had the seed 2029; after the intervals were mended on them, the reported ones got another.
+Fixed before anything was tuned on the first; a change here makes other cases, and old ones have to be run again. What
+was looked at is there to tune on: 45 reported cases of seed 2029 showed intervals too narrow, 15 of seed 2611 odds too
+sure of themselves; the seed below has been drawn since.
 """
 
 from dataclasses import dataclass
@@ -141,7 +142,7 @@ TUNING = CaseSet(
 
 REPORTED = CaseSet(
     name="reported",
-    seed=2611,
+    seed=3107,
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),
     length=Span(0.6, 2.4),
