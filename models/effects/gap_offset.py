@@ -28,10 +28,10 @@ class GapOffset(Effect):
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:
-        """From 15 % to ten times the clearance to either side; where there is none, of the largest displacement."""
+        """From a quarter to ten times the clearance to either side; where there is none, of the largest displacement."""
         assert scene.contact is not None
         gap = scene.contact.clearance or scene.displacement
-        for share in (0.15, 0.5, 2.0, 10.0):
+        for share in (0.25, 1.0, 3.0, 10.0):
             yield cls(scene.place, offset=share * gap)
             yield cls(scene.place, offset=-share * gap)
 
