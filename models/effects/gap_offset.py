@@ -28,7 +28,7 @@ class GapOffset(Effect):
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:
-        """From a quarter to ten times the clearance to either side; where there is none, of the largest displacement."""
+        """From a quarter to ten times the clearance to either side; without one, of the largest displacement."""
         assert scene.contact is not None
         gap = scene.contact.clearance or scene.displacement
         for share in (0.25, 1.0, 3.0, 10.0):
