@@ -114,12 +114,15 @@ class Session:
         """Shorten what is used of the records to what this model predicts, which may part from its neighbours sooner.
 
         Past that the residual follows no slope: a fit ends in one of many pits there, and calls its walls an interval.
+        What was fitted already was followed: where a joint sticks, motions part and meet again.
         """
+        followed = {target.record.name: target.record.duration for target in self.fitting.timed}
         found = horizons(self.everything, hypothesis)
         for index, (old, new) in enumerate(zip(self.limits, found, strict=True)):
-            if new.seconds < old.seconds:
-                self.limits[index] = new
-                self.decide(f"{new.in_words}, by the model that explains the beginning")
+            seen = replace(new, seconds=max(new.seconds, followed.get(new.record, 0.0)))
+            if seen.seconds < old.seconds:
+                self.limits[index] = seen
+                self.decide(f"{seen.in_words}, by the model that explains the beginning")
 
     @property
     def all_predicted(self) -> Evaluator:
