@@ -9,6 +9,7 @@ import numpy as np
 
 from identification.evaluate import TimeTarget
 from identification.fit import Fit
+from identification.prepare import MIN_SAMPLES
 from identification.session import Session
 from models.arrays import FloatArray
 from models.band_limit import SCORE_EDGE
@@ -34,13 +35,9 @@ def left_unseen(session: Session, found: Fit) -> float | None:
     for target, limit, response in zip(session.everything.timed, session.limits, responses, strict=True):
         first, last = fitted.get(target.record.name, 0), round(limit.seconds * target.record.fs)
         error = response.channels[:, first:last] - target.record.responses[:, first:last]
-        if error.shape[1] >= LEAST_SAMPLES:
+        if error.shape[1] >= MIN_SAMPLES:
             squares.append(np.mean(error**2 / _variance(target)[:, None]))
     return float(np.sqrt(np.mean(squares))) if squares else None
-
-
-LEAST_SAMPLES = 256
-"""Of a record not fitted, from which it counts."""
 
 
 def _variance(target: TimeTarget) -> FloatArray:
