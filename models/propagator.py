@@ -124,7 +124,7 @@ def exact_step(system: Blocks, h: float) -> Step:
     big = np.zeros((n, 6, 6))
     big[:, :2, :2] = system.blocks * h
     big[:, :2, 2:4] = big[:, 2:4, 4:] = np.eye(2)
-    power = _exponentials(big)
+    power = exponentials(big)
     hold, ramp = h * power[:, :2, 2:4], h * power[:, :2, 4:]
     force = system.inputs.reshape(2, n, -1)
     end = np.einsum("nij,jnk->kin", ramp, force)
@@ -138,7 +138,7 @@ def exact_step(system: Blocks, h: float) -> Step:
     )
 
 
-def _exponentials(matrices: FloatArray) -> FloatArray:
+def exponentials(matrices: FloatArray) -> FloatArray:
     """(n, m, m) exponentials by a Taylor series of the halved matrix, squared up again, all matrices at once."""
     halvings = max(0, int(np.ceil(np.log2(np.abs(matrices).sum(axis=2).max() / SERIES_NORM))))
     small = matrices / 2.0**halvings

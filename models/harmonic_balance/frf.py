@@ -1,0 +1,101 @@
+"""The nonlinear FRF: all periodic motions under a sine of one amplitude, while its frequency goes through a band."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from models.arrays import ComplexArray, FloatArray
+from models.errors import DivergenceError, InputError
+from models.harmonic_balance.curve import PeriodicCurve
+from models.harmonic_balance.equations import Equations
+from models.harmonic_balance.follow import HARMONICS, Follower, Motion, Problem, Span
+from models.linear import linearised
+from models.modal import build_modal
+from models.plant import Plant
+
+ACCURACY = 1e-3
+"""Share of the ports' motion that harmonics left out may have."""
+
+MOST_POINTS = 5000
+"""Of one curve."""
+
+SURVEYED = 400
+"""Frequencies at which the linearised model tells how far the ports move."""
+
+
+def nonlinear_frf(
+    plant: Plant,
+    amplitude: float,
+    band: tuple[float, float],
+    highest: float,
+    *,
+    downwards: bool = False,
+    accuracy: float = ACCURACY,
+    judge_stability: bool = True,
+    progress: Callable[[str], None] = lambda _: None,
+) -> PeriodicCurve:
+    """Follow the periodic motion from one end of a band until it leaves the band, around every fold.
+
+    A curve that folds back out of the end at which it began says so; what lies beyond is found from the other end.
+
+    Args:
+        plant: the rig with its effects, whose laws have neither memory nor clock.
+        amplitude: of the sine, in the quantity of the rig's excitation.
+        band: lowest and highest frequency of the sine, Hz.
+        highest: frequency up to which modes follow the motion, Hz; what lies above yields statically.
+        downwards: begin at the band's upper end.
+        accuracy: share of the ports' motion that harmonics left out may have.
+        judge_stability: whether each motion's stability is found.
+        progress: told where the curve is.
+
+    Raises:
+        InputError: a law with a memory or a clock, a structure that drifts or that nothing holds, a rig that
+            nothing drives.
+        DivergenceError: no periodic motion was found at the end where the curve is to begin.
+    """
+    low, high = (2.0 * np.pi * freq for freq in band)
+    model = build_modal(plant, highest)
+    if not model.ports:
+        raise InputError(
+            "a rig on which no law and no contact acts",
+            "a nonlinear FRF is that of a rig with sleeves or effects",
+            "take its linear FRF, which is the same at every level",
+        )
+    equations = Equations.of(model, HARMONICS[0])
+    first, begin = linear_motion(equations, np.linspace(low, high, SURVEYED)), high if downwards else low
+    span = Span(low, high, amplitude * float(np.abs(first).max()), 0.0, amplitude)
+    x = np.zeros((len(model.ports), HARMONICS[0] + 1), complex)
+    x[:, 1] = 0.5 * LEAST_SHARE * amplitude * first[-1 if downwards else 0]
+    # From small motion the amplitude grows at the first frequency, so that the curve begins where a test would.
+    ramp = Follower(Problem(equations, span, omega=begin), accuracy, judged=False, most_points=MOST_POINTS)
+    risen = ramp.follow(Motion(x, begin, LEAST_SHARE * amplitude), progress)
+    if risen.ended:
+        raise DivergenceError(
+            f"no periodic motion was found at {begin / (2 * np.pi):g} Hz and an amplitude of {amplitude:g}, where the "
+            f"curve is to begin: {risen.ended}; begin further from a resonance, or lower"
+        )
+    follower = Follower(replace(ramp.problem, omega=None), accuracy, judge_stability, MOST_POINTS)
+    sign = -1.0 if downwards else 1.0
+    curve = follower.follow(Motion(risen.motion[-1], begin, amplitude), progress, sign)
+    if not curve.ended and sign * (2.0 * np.pi * curve.freqs[-1] - begin) < 0.0:
+        return replace(curve, ended=f"the curve folds back and leaves the band at {curve.freqs[-1]:.4g} Hz, as it came")
+    return curve
+
+
+LEAST_SHARE = 1e-3
+"""Of the amplitude, where motion is small and a curve can begin with the tangents at rest."""
+
+
+def linear_motion(equations: Equations, omega: FloatArray) -> ComplexArray:
+    """(n_freq, n_ports) motion of the ports per unit excitation, about rest, by the tangents there.
+
+    Args:
+        equations: of the motion.
+        omega: (n_freq,) rad/s.
+    """
+    linear, drive = linearised(equations.model), equations.drive
+    rows, turn = equations.model.port_rows, 1j * omega[:, None, None]
+    dynamic = turn**2 * np.eye(equations.model.n) + turn * linear.damping + linear.stiffness
+    given = np.array([drive.input_at(float(one)) for one in omega])
+    return np.asarray(np.linalg.solve(dynamic, drive.load[:, None])[..., 0] @ rows.T * given[:, None])
