@@ -97,7 +97,7 @@ def pruned(session: Session, calibrated: Fit, found: Fit) -> list[tuple[int, Fit
     taken: list[tuple[int, Fit]] = []
     index = 0
     while index < len(found.hypothesis.effects) - 1:
-        less = _without(session, calibrated, found, index)
+        less = fit_without(session, calibrated, found, index)
         scale = misfit_of(found)
         if less is not None and (is_enough(less) or log_fit(found, scale) - log_fit(less, scale) < LEAST_EVIDENCE):
             gone, last = found.hypothesis.effects[index].label(), found.hypothesis.effects[-1].label()
@@ -110,8 +110,15 @@ def pruned(session: Session, calibrated: Fit, found: Fit) -> list[tuple[int, Fit
     return taken
 
 
-def _without(session: Session, calibrated: Fit, found: Fit, index: int) -> Fit | None:
-    """The fit again without one of its effects, or None where the model needs it to stay finite."""
+def fit_without(session: Session, calibrated: Fit, found: Fit, index: int) -> Fit | None:
+    """The fit again without one of its effects, or None where the model needs it to stay finite.
+
+    Args:
+        session: with the records.
+        calibrated: the model without effects.
+        found: the fit.
+        index: of the effect.
+    """
     hypothesis = found.hypothesis.without_effect(index)
     try:
         return fit(session.fitting, hypothesis, (*calibrated.unknowns, *effect_unknowns(hypothesis)), precise=True)
@@ -147,17 +154,17 @@ def _refined(session: Session, result: Fit) -> Fit:
         result = best.fit
 
 
-def verdict_of(session: Session, calibrated: Fit, final: Fit, rounds: Sequence[Sequence[Ranked]]) -> Verdict:
+def verdict_of(session: Session, calibrated: Fit, final: Fit, *, searched: bool) -> Verdict:
     """What the end is called, decided and told.
 
     Args:
         session: told.
         calibrated: the model without effects.
         final: with all that were added.
-        rounds: effects ranked in each round.
+        searched: whether effects were looked for.
     """
     if not final.hypothesis.effects:
-        if not rounds or (calibrated.ratio <= NOISE_DOUBTED and not strained(calibrated)):
+        if not searched or (calibrated.ratio <= NOISE_DOUBTED and not strained(calibrated)):
             motion = "" if session.everything.timed else " for small motion about rest"
             session.decide(f"complete: the calibrated model reaches the noise{motion}")
             return "complete"

@@ -28,6 +28,7 @@ from identification.outcome import AT_REST_ONLY, added_effects, candidates_of, g
 from identification.prepare import prepare
 from identification.result import Diagnosis, Score, Stage, Verdict
 from identification.session import Session
+from identification.unstrained import unstrained
 from models.record import AnyRecord
 from models.simulate import Settings, Trace
 
@@ -45,6 +46,22 @@ def one_set_of_numbers(session: Session, calibrated: Fit, verdict: Verdict) -> t
     return found
 
 
+def settled(session: Session, final: Fit) -> Fit:
+    """The model that stands fitted to all records, its numbers freed of steps and their intervals of what is not known.
+
+    Args:
+        session: with the records.
+        final: the model that stands, fitted to a part of them.
+    """
+    ended = session.to_the_end(final)
+    last = unstrained(session.all_predicted, ended)
+    if last is not ended:
+        session.decide(
+            "numbers beyond their tolerances are back within: the records are as well explained with them there"
+        )
+    return corrected(session.all_predicted, last, np.random.default_rng(session.seed))
+
+
 def concluded(
     session: Session,
     given: Hypothesis,
@@ -52,11 +69,12 @@ def concluded(
     rounds: Sequence[Sequence[Ranked]],
     verdict: Verdict,
     final: Fit,
+    polished: Fit,
     holdout: Sequence[AnyRecord],
     seed: int,
     began: float,
 ) -> Diagnosis:
-    """The diagnosis, after a last fit.
+    """The diagnosis.
 
     Args:
         session: records and what was decided.
@@ -64,13 +82,12 @@ def concluded(
         stages: models so far.
         rounds: effects ranked in each round.
         verdict: what the end is called.
-        final: the model that stands.
+        final: the model that stands, fitted to a part of the records.
+        polished: the same, on all records, with honest intervals (``settled``).
         holdout: records kept aside.
         seed: of every random choice.
         began: when the diagnosis did, s.
     """
-    last = session.to_the_end(final)
-    polished = corrected(session.all_predicted, last, np.random.default_rng(session.seed))
     if stages[-1].hypothesis is not polished.hypothesis:
         label = stages[-1].label if verdict != "unexplained" else "calibrated"
         kept = [s for s in stages if verdict != "unexplained" or not s.hypothesis.effects]

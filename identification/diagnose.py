@@ -6,10 +6,11 @@ from time import perf_counter
 
 import numpy as np
 
-from identification.acceptance import accepted, is_enough, pruned, verdict_of
+from identification.acceptance import accepted, fit_without, is_enough, pruned, verdict_of
 from identification.assess import with_starts
 from identification.calibrate import calibrate, strained, unknowns_of
-from identification.conclude import concluded, one_set_of_numbers
+from identification.conclude import concluded, one_set_of_numbers, settled
+from identification.established import NOT_ESTABLISHED, unestablished
 from identification.evaluate import carry_noise
 from identification.evidence import Ranked
 from identification.fit import Fit
@@ -17,7 +18,7 @@ from identification.hypothesis import Hypothesis
 from identification.outcome import AT_REST_ONLY
 from identification.prepare import cut_to, horizons, prepare
 from identification.progress import Progress, silent
-from identification.result import Diagnosis
+from identification.result import Diagnosis, Stage, Verdict
 from identification.rounds import look_round, told_apart, with_other_starts
 from identification.session import Session
 from models.effects import EFFECTS, Registry
@@ -105,11 +106,33 @@ def diagnose(
             stages.append(session.stage(f"- {chain[-1].hypothesis.effects[index].label()}", less.hypothesis))
             chain.append(less)
             del rounds[index]
-    verdict = verdict_of(session, chain[0], chain[-1], rounds)
-    final = chain[-1] if verdict == "missing_effect" else chain[0]
+    verdict, final, last = _ended(session, chain, rounds, stages)
     calibration = one_set_of_numbers(session, chain[0], verdict)
-    found = concluded(session, given, stages, rounds, verdict, final, holdout, seed, began)
+    found = concluded(session, given, stages, rounds, verdict, final, last, holdout, seed, began)
     return replace(found, calibration=calibration, findings=(*found.findings, *(each.words for each in calibration)))
+
+
+def _ended(
+    session: Session, chain: Sequence[Fit], rounds: list[list[Ranked]], stages: list[Stage]
+) -> tuple[Verdict, Fit, Fit]:
+    """The verdict, the model that stands, and the same on all records with honest intervals.
+
+    An effect whose size these intervals do not tell from none is taken out, with its round.
+    """
+    searched = bool(rounds)
+    final = chain[-1]
+    while True:
+        verdict = verdict_of(session, chain[0], final, searched=searched)
+        final = final if verdict == "missing_effect" else chain[0]
+        last = settled(session, final)
+        index = unestablished(last)
+        if verdict != "missing_effect" or index is None:
+            return verdict, final, last
+        label = final.hypothesis.effects[index].label()
+        session.decide(f"{label} taken out again: {NOT_ESTABLISHED}")
+        final = fit_without(session, chain[0], final, index) or chain[0]
+        stages.append(session.stage(f"- {label}", final.hypothesis))
+        del rounds[index]
 
 
 def _open(given: Hypothesis, records: Sequence[AnyRecord], seed: int, jobs: int, progress: Progress) -> Session:

@@ -13,6 +13,7 @@ from identification.in_step import tried_with
 from identification.look import View, afar, beside
 from identification.progress import Progress
 from identification.scene import is_same_place, sleeves_of
+from identification.simpler import simpler_ones
 from identification.sketch import (
     FAR_BEHIND,
     HEATS,
@@ -62,7 +63,7 @@ def judge(
             lasting = []
         found = _best(sketches, FINALISTS, REFITS_PER_KIND)
         new = [sketch for sketch in found if not any(is_alike(sketch.fit, row.fit) for row in ranked)]
-        more = _finals(new, fitting, base, progress)
+        more = _finals(new, by_share(sketches), fitting, base, progress)
         rows = [row for row in (*ranked, *more) if row.refitted]
         ranked = _settled(fitting, reweighed(ranked, rows), progress) if ranked else more
         if ranked and ranked[0].fit.ratio < EXPLAINED:
@@ -78,8 +79,18 @@ SMALL, LARGE = 3.0, 8.0
 second the beginning of the records is seen first, since nothing is linear."""
 
 
-def _finals(finalists: Sequence[Sketch], fitting: Evaluator, base: Fit, progress: Progress) -> list[Ranked]:
-    """The finalists refitted, but for those that plainly stay above the noise that another has reached."""
+def _finals(
+    finalists: Sequence[Sketch], sketches: Sequence[Sketch], fitting: Evaluator, base: Fit, progress: Progress
+) -> list[Ranked]:
+    """The finalists refitted, but for those that plainly stay above the noise that another has reached.
+
+    Args:
+        finalists: the best sketches.
+        sketches: all of them, the best first.
+        fitting: records to refit on.
+        base: the model without an effect more.
+        progress: told what is being done.
+    """
     ranked: list[Ranked] = []
     beaten: list[tuple[Fit, float]] = []
     leader: tuple[Sketch, Fit] | None = None
@@ -102,6 +113,7 @@ def _finals(finalists: Sequence[Sketch], fitting: Evaluator, base: Fit, progress
             if result.ratio < min(CLOSE_ENOUGH, leader[1].ratio if leader else CLOSE_ENOUGH):
                 leader = (sketch, result)
     ordered = with_evidence(ranked)
+    ordered = with_evidence([*ordered, *_simpler(fitting, base, ordered, sketches)])
     ordered = _settled(fitting, with_evidence([*ordered, *_at_sleeves(fitting, base, ordered)]), progress)
     for fit_there, farther in beaten:
         behind = 0.5 * (farther**2 - 1.0) * ordered[0].fit.chi2 / misfit_in_common(ordered)
@@ -130,6 +142,25 @@ def _against(leader: Fit, fitting: Evaluator, base: Fit, found: Hypothesis) -> t
 
 ITERATIONS_AGAINST = 8
 """Of a model that has to come near the noise, which another has reached, to be fitted further."""
+
+
+def _simpler(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], sketches: Sequence[Sketch]) -> list[Ranked]:
+    """Laws with fewer numbers than the first, begun where it has come to, if it has reached the noise."""
+    if not ranked or ranked[0].fit.ratio > EXPLAINED:
+        return []
+    leader, rows = ranked[0].fit, []
+    as_good = {row.effect.kind for row in ranked if row.fit.ratio < RULED_OUT * leader.ratio}
+    for effect in simpler_ones(ranked[0].effect, sketches):
+        if effect.kind in as_good:
+            continue
+        start = tried_with(fitting, replace(base.hypothesis, values=leader.hypothesis.values), effect)
+        first, farther = _against(leader, fitting, base, start)
+        if first is None or farther > RULED_OUT:
+            continue
+        result = refit(fitting, base, first.hypothesis.effects[-1], first.hypothesis.values)
+        if result is not None:
+            rows.append(Ranked(result.hypothesis.effects[-1], result, refitted=True, log_evidence=0.0))
+    return rows
 
 
 def _at_sleeves(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked]) -> list[Ranked]:

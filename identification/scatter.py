@@ -8,6 +8,8 @@ place of a missing effect in one mode does not in another.
 from collections.abc import Iterator
 
 import numpy as np
+from scipy.stats import norm
+from scipy.stats import t as student_t
 
 from identification.consistency.modes import frequency_of, mode_bands
 from identification.evaluate import Evaluator, Target, TimeTarget
@@ -26,7 +28,8 @@ def widening(evaluator: Evaluator, found: Fit, shares: FloatArray) -> FloatArray
     """(n_unknowns,) factor on each standard deviation, 1 where no part of the data moves the number beyond noise.
 
     Parts are the modes, the channels or the records; that division counts whose moves scatter most. Left out is a part
-    of the linearised problem, so nothing is simulated.
+    of the linearised problem, so nothing is simulated. A variance from few parts is itself uncertain: each is as large
+    as a normal distribution needs to hold 95 % where Student's does.
 
     Args:
         evaluator: records that were fitted.
@@ -39,8 +42,20 @@ def widening(evaluator: Evaluator, found: Fit, shares: FloatArray) -> FloatArray
     prior = np.array([1.0 if unknown.prior else 0.0 for unknown in found.unknowns])
     known, excess = found.std() ** 2, np.zeros(len(found.unknowns))
     for parts in _divisions(evaluator, found):
-        excess = np.maximum(excess, beyond_noise(found.jacobian, shares, parts, prior, known))
+        moved = beyond_noise(found.jacobian, shares, parts, prior, known)
+        excess = np.maximum(excess, moved * _of_few(len(np.unique(parts))))
     return np.asarray(np.sqrt(1.0 + excess / known))
+
+
+def _of_few(n_parts: int) -> float:
+    """Factor on a variance from so many parts."""
+    freedom = max(n_parts - 1, LEAST_FREEDOM)
+    return float((student_t.ppf(INSIDE, freedom) / norm.ppf(INSIDE)) ** 2)
+
+
+LEAST_FREEDOM, INSIDE = 2, 0.975
+"""Two records would make it six times as wide, which says no more than that there are but two; 95 % lie between the
+second and its mirror image."""
 
 
 def beyond_noise(

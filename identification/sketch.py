@@ -172,14 +172,16 @@ def apart(sketches: Sequence[Sketch]) -> list[Sketch]:
 
 
 def is_alike(one: Fit, other: Fit) -> bool:
-    """Whether the last effects of two fits are of one kind, with the same options, at the same place.
+    """Whether the last effects of two fits are of one kind, with the same options, in one valley, at the same place.
 
     Args:
         one: a fit.
         other: of the same rig.
     """
     effect, rival = one.hypothesis.effects[-1], other.hypothesis.effects[-1]
-    if effect.kind != rival.kind or any(getattr(effect, key) != getattr(rival, key) for key in effect.options):
+    if effect.kind != rival.kind or effect.valley != rival.valley:
+        return False
+    if any(getattr(effect, key) != getattr(rival, key) for key in effect.options):
         return False
     return is_same_place(effect.place, rival.place, one.hypothesis.rig)
 

@@ -14,6 +14,7 @@ from identification.evaluate import scored_spectrum
 from identification.locating.beside import BesideRun
 from identification.locating.tolerances import tolerances_of
 from models.arrays import ComplexArray, FloatArray
+from models.errors import DivergenceError
 
 DRAWS = 3
 """Of the motion at the laws' places."""
@@ -90,7 +91,16 @@ def _covariance(run: BesideRun, rng: np.random.Generator) -> ComplexArray:
         paths = run.frf(run.beam.shapes)
         weighted = paths * _law_errors(run, rng).T[:, None, :]
         total += weighted @ paths.conj().swapaxes(1, 2)
+    # What is not known of a law at all drowns the noise of the channels in round-off.
+    largest = np.abs(np.diagonal(total, axis1=1, axis2=2)).max(axis=1)
+    if not np.isfinite(largest).all():
+        raise DivergenceError(f"{run.target.record.name}: what the laws' forces may be wrong by is not finite")
+    total += ROUND_OFF * largest[:, None, None] * np.eye(total.shape[1])
     return np.asarray(total)
+
+
+ROUND_OFF = 1e-14
+"""Of the largest variance on a line."""
 
 
 def _law_errors(run: BesideRun, rng: np.random.Generator) -> FloatArray:

@@ -11,6 +11,10 @@ DEPTH = 0.1
 """Penetration assumed where the given model never touches, as a share of the largest displacement."""
 
 
+BETWEEN_VALLEYS = 2.0
+"""Exponent."""
+
+
 @dataclass(frozen=True)
 class HertzContact(Effect):
     """The elastic part of the contact's force is stiffness p^exponent in place of k p; the dashpot stays."""
@@ -31,13 +35,18 @@ class HertzContact(Effect):
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:
-        """As stiff as the given contact at its largest penetration, half and twice that, for n = 1.5 and 2.5."""
+        """The given contact's largest load is carried at its penetration, before, or deeper, for n = 1.5 and 2.5."""
         assert scene.contact is not None
         law = scene.contact.law
         depth = scene.penetration or DEPTH * scene.displacement
         for exponent in (1.5, 2.5):
-            for ratio in (0.5, 1.0, 2.0):
-                yield cls(scene.place, ratio * law.elastic(depth) / depth**exponent, exponent)
+            for deeper in (0.7, 1.0, 1.5, 3.0):
+                yield cls(scene.place, law.elastic(depth) / (deeper * depth) ** exponent, exponent)
+
+    @property
+    def valley(self) -> str:
+        """Stiffness and exponent go together over many decades, from a sphere's to a pad's."""
+        return "sphere" if self.exponent < BETWEEN_VALLEYS else "pad"
 
     def change_contact(self, contact: Contact) -> Contact:
         """The contact with this elastic part."""

@@ -214,6 +214,11 @@ class Effect(ABC):
         """Values worth trying when nothing is known but the scene: a few, spanning what could hide in the data."""
         raise NotImplementedError
 
+    @property
+    def valley(self) -> str:
+        """In which of several valleys its numbers lie, if a fit hardly crosses from one to another; empty if in one."""
+        return ""
+
     def change_structure(self, structure: Structure) -> Structure:
         """The linear structure with this effect in it."""
         return structure

@@ -27,8 +27,8 @@ from testbed.hidden_effects.truth import ENGINES, FINE, Truth, moved
 RESOLVED = 1.05
 """Error over noise that the discretisation alone may leave: itself it is then a third of the noise."""
 
-WATCHED = "high"
-"""Record on which it is looked at."""
+WATCHED = ("high", "decay")
+"""Records on which it is looked at: the loudest, and the blow that reaches the highest modes."""
 
 SEGMENT_SPANS = ((1.2, 1.7), (1.7, 2.4))
 """Segments in units of the engine's own choice; of them the number that puts sleeves where segments speak true."""
@@ -46,20 +46,21 @@ def engine_for(task: Task, trial: Trial, truth: Truth, rng: np.random.Generator)
         truth: what is there, by whatever engine.
         rng: draws the noise that the difference is compared with.
     """
-    plain, force, fs = build_plant(truth.built), first_seconds(trial.forces[WATCHED], trial.fs), trial.fs
-    imitation = Imitation(trial, truth.noise.response, rng, (WATCHED,))
+    plain, fs = build_plant(truth.built), trial.fs
+    forces = [first_seconds(trial.forces[name], fs) for name in WATCHED]
+    imitation = Imitation(trial, truth.noise.response, rng, WATCHED)
     for engine in _turns(task):
         if engine == FINE:
             break
         if simulator(engine).cannot_carry(truth.plant, Resolution()):
             continue
-        exact = moved(FINE, Resolution(), plain, force, fs, {})
+        exact = [moved(FINE, Resolution(), plain, force, fs, {}) for force in forces]
         for resolution in _resolutions(engine, truth.plant, fs):
             try:
-                change = moved(engine, resolution, plain, force, fs, {}) - exact
+                coarse = [moved(engine, resolution, plain, force, fs, {}) for force in forces]
             except DivergenceError:
                 continue
-            if imitation.shown_by([change], ROUNDS) <= RESOLVED:
+            if imitation.shown_by([one - other for one, other in zip(coarse, exact, strict=True)], ROUNDS) <= RESOLVED:
                 return engine, resolution
     return FINE, Resolution()
 

@@ -6,7 +6,6 @@ import pytest
 from trial_records import fit_of
 
 from identification.acceptance import verdict_of
-from identification.evidence import Ranked
 from models.effects import Place
 from models.effects.point_mass import PointMass
 
@@ -35,8 +34,7 @@ def called(calibrated, final=None, *, searched=True, is_passing=False):
     session = Listener(is_passing=is_passing)
     base = fit_with_ratio(calibrated, effect=False)
     end = base if final is None else fit_with_ratio(final, effect=True)
-    rounds = [[Ranked(MASS, end, refitted=True, log_evidence=0.0)]] if searched else []
-    return verdict_of(session, base, end, rounds), session.decisions[-1]
+    return verdict_of(session, base, end, searched=searched), session.decisions[-1]
 
 
 @pytest.mark.parametrize(

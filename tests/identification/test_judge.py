@@ -90,7 +90,7 @@ def refits(monkeypatch):
 
 def finals(sketches):
     evaluator = evaluator_of(measured(Hypothesis(REFERENCE), multisine(512)))
-    return _finals(sketches, evaluator, BASE, lambda _: None)
+    return _finals(sketches, sketches, evaluator, BASE, lambda _: None)
 
 
 def test_when_the_first_reaches_the_noise_those_far_off_are_not_refitted(refits):
@@ -162,7 +162,7 @@ def test_kinds_in_time_are_looked_at_where_no_other_reaches_the_noise(monkeypatc
         asked.append(view.is_lasting)
         return [sketch(MASS, 1.0 - left**2 * (1000.0 / BASE.chi2))]
 
-    def settled(finalists, fitting, base, progress):
+    def settled(finalists, sketches, fitting, base, progress):
         return [Ranked(MASS, fit_of(MASS, 1000.0), refitted=True, log_evidence=0.0)]
 
     monkeypatch.setattr(judging, "beside", beside)

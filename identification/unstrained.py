@@ -1,0 +1,38 @@
+"""A model whose toleranced numbers need not go as far from what their owner says.
+
+Where only one wall of a sleeve is touched, its clearance and its offset are known together and neither alone. Least
+squares then follow what the model misses a little, as far as to where the other wall begins to touch, and stop at that
+edge, of which they think that it tells both. What the records say is weighed in the unit of the model's own error, what
+the owner says as it is.
+"""
+
+import numpy as np
+
+from identification.evaluate import Evaluator
+from identification.evidence import misfit_of
+from identification.fit import Fit, fit
+from identification.hypothesis import RigUnknown, at_coordinates, coordinates
+
+FAR = 2.0
+"""Standard deviations from the given number from which another place for it is tried."""
+
+
+def unstrained(evaluator: Evaluator, found: Fit) -> Fit:
+    """The fit, or that from where its far numbers are as given and all others follow, if it is the likelier one.
+
+    Args:
+        evaluator: records that were fitted.
+        found: with effects.
+    """
+    x = coordinates(found.hypothesis, found.unknowns)
+    far = [i for i, unknown in enumerate(found.unknowns) if isinstance(unknown, RigUnknown) and abs(x[i]) > FAR]
+    if not far or not found.hypothesis.effects:
+        return found
+    together = found.covariance[:, far] @ np.linalg.solve(found.covariance[np.ix_(far, far)], -x[far])
+    try:
+        start = at_coordinates(found.hypothesis, found.unknowns, x + together)
+        again = fit(evaluator, start, found.unknowns, precise=True)
+    except ArithmeticError:
+        return found
+    unit = misfit_of(found)
+    return min((found, again), key=lambda one: one.chi2 / unit + one.penalty)

@@ -1,0 +1,71 @@
+"""An effect whose size its honest interval does not tell from none is found as such, and no other is."""
+
+from dataclasses import replace
+from math import log
+
+import numpy as np
+import pytest
+from trial_records import REFERENCE, fit_of
+
+from identification.established import unestablished
+from models.effects import Place
+from models.effects.clamp_compliance import ClampCompliance
+from models.effects.coulomb_friction import CoulombFriction
+from models.effects.gap_offset import GapOffset
+from models.effects.hertz_contact import HertzContact
+from models.effects.point_mass import PointMass
+from models.effects.sensor_gain import SensorGain
+
+LENGTH = REFERENCE.structure.length
+AT = Place(position=0.6 * LENGTH)
+SLEEVE = Place(sleeve="sleeve 1")
+
+
+def with_log_std(effect, spreads):
+    """A fit whose numbers are known to this share of their prior's spread."""
+    return fit_of(effect, 1000.0, std=spreads)
+
+
+@pytest.mark.parametrize("effect", [PointMass(AT, 0.05), ClampCompliance(Place(), 1e5)])
+def test_a_size_known_to_a_factor_is_established_or_not(effect):
+    spread = effect.fitted_parameters()[0][1].spread
+    assert unestablished(with_log_std(effect, 0.9 * log(1.5) / spread)) is None
+    assert unestablished(with_log_std(effect, 1.1 * log(1.5) / spread)) == 0
+
+
+def test_a_factor_is_measured_from_one():
+    spread = SensorGain.parameters()["gain"].spread
+    std = 0.02 / spread if SensorGain.parameters()["gain"].scale == "log" else 0.02
+    known = fit_of(SensorGain(Place(sensor="P3"), 1.1), 1000.0)
+    unit = known.unknowns[0].unit if SensorGain.parameters()["gain"].scale == "linear" else 1.0
+    assert unestablished(replace(known, covariance=np.array([[(std / unit) ** 2]]))) is None
+    near = replace(known, hypothesis=replace(known.hypothesis, effects=(SensorGain(Place(sensor="P3"), 1.01),)))
+    assert unestablished(replace(near, covariance=np.array([[(std / unit) ** 2]]))) == 0
+
+
+def test_an_offset_is_measured_from_none_whatever_its_sign():
+    for sign in (-1.0, 1.0):
+        found = fit_of(GapOffset(SLEEVE, sign * 1e-4), 1000.0)
+        unit = found.unknowns[0].unit
+        assert unestablished(replace(found, covariance=np.array([[(0.4e-4 / unit) ** 2]]))) is None
+        assert unestablished(replace(found, covariance=np.array([[(0.6e-4 / unit) ** 2]]))) == 0
+
+
+def test_numbers_that_are_known_together_alone_establish_an_effect():
+    """A friction that never sticks is known by its force over its slip velocity, neither by itself."""
+    found = fit_of(CoulombFriction(AT, 5.0, 1.0), 1000.0)
+    apart, together = 25.0, 1e-4
+    turn = np.array([[1.0, 1.0], [-1.0, 1.0]]) / np.sqrt(2.0)
+    covariance = turn.T @ np.diag([together, apart]) @ turn
+    assert unestablished(replace(found, covariance=covariance)) is None
+    assert unestablished(replace(found, covariance=apart * np.eye(2))) == 0
+
+
+def test_another_law_in_a_contact_has_no_size():
+    assert unestablished(with_log_std(HertzContact(SLEEVE, 1e9, 1.5), 100.0)) is None
+
+
+def test_the_misfit_counts():
+    spread = PointMass.parameters()["mass"].spread
+    found = with_log_std(PointMass(AT, 0.05), 0.9 * log(1.5) / spread)
+    assert unestablished(replace(found, chi2=4000.0)) == 0
