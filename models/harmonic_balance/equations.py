@@ -25,7 +25,7 @@ from models.point_forces import Items, PointForce, compile_items
 from models.ports import Port
 from models.rest import is_bilateral
 
-SAMPLES_PER_HARMONIC, LEAST_SAMPLES = 8, 512
+SAMPLES_PER_HARMONIC, LEAST_SAMPLES = 16, 512
 """Of the forces over a period: enough for a contact's corners not to come back as low harmonics."""
 
 PROBES = ((1e-3, 0.1), (-1e-3, -0.1))
