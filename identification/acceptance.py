@@ -8,6 +8,7 @@ from identification.evidence import (
     LEAST_EVIDENCE,
     Ranked,
     log_fit,
+    log_without,
     misfit_in_common,
     misfit_of,
     with_evidence,
@@ -54,7 +55,7 @@ def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
         session.decide("no effect of the library improves the model")
         return None
     best = ranked[0]
-    odds = best.log_evidence - log_fit(base, misfit_in_common(ranked))
+    odds = best.log_evidence - log_without(base, misfit_in_common(ranked))
     share = takes_away(base, best.fit)
     name = best.effect.label()
     least = LATER_SHARE if base.hypothesis.effects and best.fit.ratio > NOISE_NEAR else LEAST_SHARE

@@ -10,7 +10,7 @@ from identification.consistency.find import calibration_findings
 from identification.consistency.finding import CalibrationFinding
 from identification.evidence import (
     Ranked,
-    log_fit,
+    log_without,
     misfit_in_common,
     probabilities,
 )
@@ -150,7 +150,7 @@ def _nothing(first: Sequence[Ranked], final: Fit) -> float:
     """Log evidence of "nothing more", on the scale of the round."""
     if final.hypothesis.effects:
         return min(r.log_evidence for r in first) - 50.0
-    return log_fit(final, misfit_in_common(first))
+    return log_without(final, misfit_in_common(first))
 
 
 def _held_out(

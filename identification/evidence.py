@@ -34,15 +34,16 @@ class Ranked:
 def with_evidence(ranked: Sequence[Ranked]) -> list[Ranked]:
     """Sorted by Laplace's approximation to the evidence, with residuals in units of what the best fit leaves.
 
-    log Z = -(chi^2 / s^2 + prior) / 2 + log(volume of the posterior / volume of the prior) over the effect's unknowns;
-    s^2 is the square of the unit of the round, ``misfit_in_common``. Beforehand a law with a number more has
-    ``SIMPLER`` times less odds, so that a law that imitates a simpler one within what is known comes after it.
+    log Z = -(chi^2 / s^2 + prior) / 2 + log(volume of the posterior / volume of the prior); s^2 is the square of the
+    unit of the round, ``misfit_in_common``. The volume is that of all unknowns: an effect that takes a number of the
+    rig out of play (a clearance of its own) leaves that as wide as its tolerance. Beforehand a law with a number more
+    has ``SIMPLER`` times less odds, so that a law that imitates a simpler one within what is known comes after it.
     Source: D. J. C. MacKay, Information Theory, Inference, and Learning Algorithms (2003), chapter 28.
     """
     if not ranked:
         return []
     scale = misfit_in_common(ranked)
-    scored = [replace(r, log_evidence=log_fit(r.fit, scale) + _beforehand(r.fit, scale)) for r in ranked]
+    scored = [replace(r, log_evidence=log_without(r.fit, scale) + _beforehand(r.fit, scale)) for r in ranked]
     return sorted(scored, key=lambda r: -r.log_evidence)
 
 
@@ -54,6 +55,27 @@ def log_fit(result: Fit, scale: float) -> float:
         scale: ``misfit_in_common`` of the round; what was known beforehand is not measured in it.
     """
     return -0.5 * (result.chi2 / scale + result.penalty)
+
+
+def log_without(result: Fit, scale: float) -> float:
+    """``log_fit`` with the volume that is left to the unknowns that all models of a round have, per unit volume.
+
+    Args:
+        result: of a round; of its last effect's own unknowns nothing is counted.
+        scale: ``misfit_in_common`` of the round.
+    """
+    own = set(_own(result))
+    rest = [i for i in range(len(result.unknowns)) if i not in own]
+    if not rest:
+        return log_fit(result, scale)
+    prior = np.diag([1.0 if unknown.prior else 0.0 for unknown in result.unknowns])
+    told = (np.linalg.inv(result.covariance) - prior) / scale + prior
+    sizes = np.linalg.eigvalsh(told[np.ix_(rest, rest)])
+    return log_fit(result, scale) - 0.5 * float(np.log(np.maximum(sizes, LEAST_TOLD)).sum())
+
+
+LEAST_TOLD = 1e-6
+"""Information in units of the prior's below which only round-off is told."""
 
 
 def _beforehand(result: Fit, scale: float) -> float:

@@ -1,12 +1,12 @@
 """From fits to what a person reads: candidates, intervals, groups that cannot be told apart."""
 
 from collections.abc import Sequence
-from math import exp
+from math import exp, log
 
 import numpy as np
 
 from identification.evaluate import Evaluator
-from identification.evidence import Ranked, probabilities
+from identification.evidence import Ranked, misfit_in_common, probabilities
 from identification.fit import Fit
 from identification.hypothesis import EffectUnknown, PlaceUnknown, RigUnknown
 from identification.result import AddedEffect, Candidate, Estimate
@@ -87,8 +87,17 @@ def candidates_of(ranked: Sequence[Ranked], chances: Sequence[float], evaluator:
 
 
 def groups_of(ranked: Sequence[Ranked], chances: Sequence[float]) -> tuple[tuple[Effect, ...], ...]:
-    """Effects of a round that the records cannot tell from the best, places that its fit leaves open among them."""
+    """Effects of a round that the records cannot tell from the best, places that its fit leaves open among them.
+
+    What was known beforehand may speak for one of two that predict the same; they are one group all the same.
+    """
     if not ranked:
         return ()
-    group = [r.effect for r, chance in zip(ranked, chances, strict=False) if chance > TELLABLE]
+    unit, best = misfit_in_common(ranked), ranked[0].fit.chi2
+    near = 2.0 * unit * log(1.0 / TELLABLE)
+    group = [
+        r.effect
+        for r, chance in zip(ranked, chances, strict=False)
+        if chance > TELLABLE or (r.refitted and r.fit.chi2 - best < near)
+    ]
     return (tuple(group),) if len(group) > 1 else ()

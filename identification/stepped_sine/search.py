@@ -8,7 +8,15 @@ import numpy as np
 from identification.acceptance import LATER_SHARE, LEAST_SHARE
 from identification.diagnose import MOST_EFFECTS
 from identification.evaluate import Evaluator, in_parallel
-from identification.evidence import LEAST_EVIDENCE, Ranked, log_fit, misfit_in_common, misfit_of, with_evidence
+from identification.evidence import (
+    LEAST_EVIDENCE,
+    Ranked,
+    log_fit,
+    log_without,
+    misfit_in_common,
+    misfit_of,
+    with_evidence,
+)
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, Unknown, effect_unknowns, own_unknowns
 from identification.progress import Progress
@@ -121,7 +129,7 @@ def addition(evaluator: Evaluator, base: Fit, registry: Registry, progress: Prog
     if not ranked:
         raise ArithmeticError("no effect of the library leaves a steady state")
     best = ranked[0]
-    odds = best.log_evidence - log_fit(base, misfit_in_common(ranked))
+    odds = best.log_evidence - log_without(base, misfit_in_common(ranked))
     return Addition(tuple(ranked), best.fit, odds, takes_away(base, best.fit))
 
 

@@ -5,7 +5,7 @@ from math import log, pi, sqrt
 
 import numpy as np
 import pytest
-from trial_records import fit_of
+from trial_records import REFERENCE, fit_of
 
 from identification.evidence import (
     MODEL_ERROR,
@@ -13,17 +13,22 @@ from identification.evidence import (
     SIMPLER,
     Ranked,
     log_occam,
+    log_without,
     probabilities,
     reranked,
     with_evidence,
 )
+from identification.hypothesis import rig_unknowns
 from models.effects import Place
 from models.effects.bouc_wen import BoucWen
+from models.effects.clearance import Clearance
+from models.effects.gap_offset import GapOffset
 from models.effects.point_damping import PointDamping
 from models.effects.point_mass import PointMass
 from models.effects.sensor_gain import SensorGain
 
 HERE = Place(position=0.7)
+SLEEVE = Place(sleeve="sleeve 1")
 MASS = PointMass(HERE, mass=0.3)
 
 
@@ -128,3 +133,24 @@ def test_a_better_fit_of_the_first_keeps_the_order_honest():
     assert again[0].fit.chi2 == 1000.0
     assert again[0].log_evidence - again[1].log_evidence == pytest.approx(300.0 / (1.0 + OWN))
     assert again[2].log_evidence - again[0].log_evidence == pytest.approx(behind)
+
+
+def test_a_number_that_an_effect_takes_out_of_play_is_as_wide_as_its_tolerance():
+    """Of one wall, an offset tells its distance with the clearance, a clearance of its own without: equal odds."""
+    offset, own = GapOffset(SLEEVE, 1e-4), Clearance(SLEEVE, 2e-4)
+    numbers = rig_unknowns(REFERENCE)
+    at = next(i for i, unknown in enumerate(numbers) if "clearance" in unknown.parameter.path)
+    fine = 1e-3
+
+    def fit_with(effect, together):
+        about = fit_of(effect, 1000.0)
+        information = np.diag([*np.ones(len(numbers)), 0.0])
+        # The wall is where offset and clearance put it, or where the effect's own clearance does.
+        wall = np.zeros(len(numbers) + 1)
+        wall[-1], wall[at] = 1.0, float(together)
+        covariance = np.linalg.inv(information + np.outer(wall, wall) / fine**2)
+        return replace(about, unknowns=(*numbers, *about.unknowns), covariance=covariance)
+
+    shared, alone = fit_with(offset, together=True), fit_with(own, together=False)
+    assert log_without(shared, 1.0) - log_without(alone, 1.0) == pytest.approx(log(fine), abs=1e-3)
+    assert 0.5 * log(shared.covariance[-1, -1] / alone.covariance[-1, -1]) == pytest.approx(-log(fine), abs=1e-3)

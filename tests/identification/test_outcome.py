@@ -119,8 +119,14 @@ def test_candidates_stand_beside_the_best_with_errors_of_the_records():
 
 
 def test_what_cannot_be_excluded_stands_in_one_group():
-    rows = [ranked(MASS), ranked(DAMPING), ranked(GAIN)]
+    rows = [ranked(MASS), ranked(DAMPING, ratio=1.1), ranked(GAIN, ratio=1.1)]
 
     assert groups_of(rows, [0.7, 0.29, 0.01, 0.0]) == ((MASS, DAMPING),)
     assert groups_of(rows, [0.99, 0.005, 0.005, 0.0]) == ()
     assert groups_of([], []) == ()
+
+
+def test_what_predicts_the_same_is_one_group_whatever_was_known_beforehand():
+    rows = [ranked(MASS), ranked(DAMPING), ranked(GAIN, ratio=1.1)]
+
+    assert groups_of(rows, [0.998, 0.001, 0.001]) == ((MASS, DAMPING),)
