@@ -27,6 +27,7 @@ from testbed.cli import (
     modes,
     simulate,
     study,
+    sweep,
     undo,
 )
 
@@ -42,6 +43,7 @@ for module, command in (
     (undo, undo.undo),
     (modes, modes.modes),
     (frf, frf.frf),
+    (sweep, sweep.sweep),
     (budget, budget.budget),
     (identify, identify.identify),
     (simulate, simulate.simulate),

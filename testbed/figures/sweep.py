@@ -1,0 +1,48 @@
+"""The figure of nonlinear FRFs."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from models.harmonic_balance import PeriodicCurve
+from testbed.sweep import Sweep
+
+
+def sweep_figure(found: Sweep) -> Figure:
+    """Half the swing of a reading over the frequency: stable motion solid, unstable dotted, the backbone dashed.
+
+    Args:
+        found: finished.
+    """
+    figure = Figure(figsize=(8.0, 5.0), layout="constrained")
+    ax = figure.subplots()
+    levels = sorted({float(curve.amplitudes[0]) for curve in found.curves})
+    for curve in found.curves:
+        level = float(curve.amplitudes[0])
+        plot_curve(ax, curve, found.sensor, f"C{levels.index(level)}", f"{level:g} {found.level_unit}")
+    if found.spine is not None:
+        peaks = found.spine.peaks([found.sensor])[:, 0]
+        ax.plot(found.spine.freqs, peaks, "--", color="0.25", linewidth=1.2, label="backbone")
+    lines, names = ax.get_legend_handles_labels()
+    once = dict(zip(names, lines, strict=True))
+    ax.legend(once.values(), once.keys(), fontsize=8)
+    ax.set(xlabel="frequency of the sine [Hz]", ylabel=f"{found.sensor} [{found.unit}]", yscale="log")
+    ax.grid(visible=True, which="both", color="0.92")
+    return figure
+
+
+def plot_curve(ax: Axes, curve: PeriodicCurve, sensor: str, color: str, label: str) -> None:
+    """One curve: stable stretches solid, unstable ones dotted and thin.
+
+    Args:
+        ax: to draw on.
+        curve: finished.
+        sensor: whose reading is drawn.
+        color: of both.
+        label: of the stable stretches.
+    """
+    peaks, stable = curve.peaks([sensor])[:, 0], curve.is_stable
+    reached = stable | np.roll(stable, 1) | np.roll(stable, -1)  # a stretch goes on to where the next one begins
+    ax.plot(curve.freqs, np.where(reached, peaks, np.nan), color=color, linewidth=1.2, label=label)
+    if not stable.all():
+        ax.plot(curve.freqs, np.where(stable, np.nan, peaks), ":", color=color, linewidth=1.0, label="unstable")
