@@ -68,6 +68,19 @@ def staged(out: Path) -> Iterator[Path]:
         shutil.rmtree(stage, ignore_errors=True)
 
 
+def keep_json(path: Path, content: Any) -> None:
+    """Write one result of many whole or not at all, so that a run that is stopped goes on after it.
+
+    Args:
+        path: of its file, whose folder is made if it does not exist.
+        content: mappings, sequences, texts and numbers.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_suffix(".part")
+    part.write_text(json_text(content), encoding="utf-8")
+    part.replace(path)
+
+
 def json_text(content: Any) -> str:
     """JSON with numpy's numbers as numbers; what is not finite is null, since JSON knows no infinity.
 

@@ -123,13 +123,18 @@ def bolted_beam(folder: DataFolder, *, out: Out = None, jobs: Jobs = 2, as_json:
 
 
 @study.command("article", epilog="Example: testbed study article --out results/article")
-def article(*, out: Out = None, as_json: AsJson = False) -> None:
-    """The rig of the article's case study: an assumed geometry, six clearances at rest and in motion."""
+def article(
+    *,
+    out: Out = None,
+    quick: Annotated[bool, typer.Option("--quick", help="At one clearance, in a minute.")] = False,
+    as_json: AsJson = False,
+) -> None:
+    """The rig of the article's case study: an assumed geometry, six clearances at rest, in motion and under sines."""
     folder = out_folder(out, Path("article"))
     with progress() as tell:
         from testbed.article.run import run_article
 
-        content = run_article(folder, command=["testbed", *sys.argv[1:]], progress=tell)
+        content = run_article(folder, command=["testbed", *sys.argv[1:]], progress=tell, quick=quick)
     from testbed.cli.tables import print_json, print_table, say
 
     if as_json:

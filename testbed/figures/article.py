@@ -2,8 +2,10 @@
 
 from collections.abc import Sequence
 
+import numpy as np
 from matplotlib.figure import Figure
 
+from testbed.article.sines_run import Json
 from testbed.article.study import AtRest
 
 
@@ -20,4 +22,35 @@ def frequencies_figure(rests: Sequence[AtRest]) -> Figure:
         if order >= 2:
             ax.set_xlabel("clearance [mm]")
     figure.axes[0].legend(fontsize=8, loc="lower left")
+    return figure
+
+
+def sines_figure(rows: Sequence[Json]) -> Figure:
+    """Half the swing at the tip over the frequency of the sine, one panel a clearance, with the backbone."""
+    columns = min(3, len(rows))
+    lines = -(-len(rows) // columns)
+    figure = Figure(figsize=(4.2 * columns, 3.4 * lines), layout="constrained")
+    panels = figure.subplots(lines, columns, squeeze=False, sharex=True, sharey=True).ravel()
+    for ax, row in zip(panels, rows, strict=False):
+        for number, level in enumerate(row["levels"]):
+            for part, curve in enumerate(level["curves"]):
+                peaks, stable = np.array(curve["peak"]), np.array(curve["stable"])
+                reached = stable | np.roll(stable, 1) | np.roll(stable, -1)
+                name = f"{level['amplitude']:g} N" if part == 0 else None
+                ax.plot(curve["frequency"], np.where(reached, peaks, np.nan), color=f"C{number}", label=name)
+                ax.plot(curve["frequency"], np.where(stable, np.nan, peaks), ":", color=f"C{number}", linewidth=1.0)
+            if level["check"] is not None:
+                at = level["check"]["freq"]
+                curve = level["curves"][0]
+                nearest = int(np.argmin(np.abs(np.array(curve["frequency"]) - at)))
+                ax.plot(at, curve["peak"][nearest], "o", color=f"C{number}", markersize=4, markerfacecolor="white")
+        ax.plot(
+            row["backbone"]["frequency"], row["backbone"]["peak"], "--", color="0.25", linewidth=1.0, label="backbone"
+        )
+        ax.set(title=f"{1e3 * row['clearance']:g} mm", yscale="log")
+        ax.grid(visible=True, which="both", color="0.93")
+    for ax in panels[-columns:]:
+        ax.set_xlabel("frequency of the sine [Hz]")
+    panels[0].set_ylabel("tip [m/s^2]")
+    panels[0].legend(fontsize=8)
     return figure

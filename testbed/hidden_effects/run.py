@@ -15,7 +15,7 @@ from testbed.hidden_effects.crew import Json, RunCase, Workers
 from testbed.hidden_effects.page import page_of
 from testbed.hidden_effects.plan import Task
 from testbed.hidden_effects.scores import in_a_line, summary_of
-from testbed.outputs import json_text, staged
+from testbed.outputs import json_text, keep_json, staged
 
 CASES, SUMMARY, PAGE, EXPLANATIONS = "cases", "summary.json", "README.md", "explanations.toml"
 
@@ -51,7 +51,7 @@ def run_hidden_effects(
     todo = [task for task in tasks if not is_done(path_of(out, task))]
     progress(f"{len(tasks) - len(todo)} of {len(tasks)} cases are there, {len(todo)} to do")
     for done, (task, case) in enumerate(workers(todo, run, threads) if todo else (), start=1):
-        keep(path_of(out, task), case)
+        keep_json(path_of(out, task), case)
         progress(f"{done}/{len(todo)} {in_a_line(case)}")
     case_set = tasks[0].case_set
     cases = [json.loads(file.read_text(encoding="utf-8")) for file in sorted((out / CASES).glob(f"{case_set}-*.json"))]
@@ -81,19 +81,6 @@ def is_done(path: Path) -> bool:
         path: of its file.
     """
     return path.exists() and "failure" not in json.loads(path.read_text(encoding="utf-8"))
-
-
-def keep(path: Path, case: Json) -> None:
-    """Write a case whole or not at all.
-
-    Args:
-        path: of its file.
-        case: done or failed.
-    """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_suffix(".part")
-    part.write_text(json_text(case), encoding="utf-8")
-    part.replace(path)
 
 
 def explanations(out: Path) -> dict[str, str]:

@@ -98,7 +98,9 @@ def _between(one: Effect, other: Effect) -> Effect:
 
 
 def jittered(effect: Effect, rng: np.random.Generator, spread: float) -> Effect:
-    """The effect with its numbers moved by random factors, within their bounds.
+    """The effect with its numbers moved by random factors, thrown back from their bounds.
+
+    At a bound an effect may be another kind (a Hertz contact of exponent 1 is a stiffer spring), which it must not.
 
     Args:
         effect: of any kind.
@@ -108,5 +110,10 @@ def jittered(effect: Effect, rng: np.random.Generator, spread: float) -> Effect:
     values = effect.fitted_values()
     for i, (_, about) in enumerate(effect.fitted_parameters()):
         folds = min(spread, about.spread) if about.scale == "log" else spread
-        values[i] = np.clip(values[i] * np.exp(folds * rng.standard_normal()), about.lower, about.upper)
+        moved = values[i] * np.exp(folds * rng.standard_normal())
+        if about.scale == "log" and moved < about.lower:
+            moved = about.lower**2 / moved
+        elif about.scale == "log" and moved > about.upper:
+            moved = about.upper**2 / moved
+        values[i] = np.clip(moved, about.lower, about.upper)
     return effect.with_fitted(values)

@@ -1,6 +1,7 @@
 """The rig of the article: measured frequencies, both sleeves carrying it at rest, and both struck in every test."""
 
 import json
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -8,9 +9,12 @@ import pytest
 from models.rig_file import read_rig
 from testbed.article.published import published
 from testbed.article.rig import CALIBRATED_AT, SLEEVES_AT, Geometry, at_rest, calibrated, natural_freqs
+from testbed.article.sines import AMPLITUDES
+from testbed.article.sines_run import _kept
 from testbed.article.strikes import strikes
 from testbed.article.study import DRIVES
 from testbed.cli.app import main
+from testbed.outputs import keep_json
 
 MEASURED = next(test.measured_freqs for test in published() if test.clearance == CALIBRATED_AT)
 
@@ -75,15 +79,44 @@ def test_the_printed_errors_are_those_of_the_printed_frequencies():
         assert max(errors) == pytest.approx(most, abs=1e-4)
 
 
-def test_the_study_writes_its_page_and_rigs_that_can_be_read(tmp_path, capsys):
+@pytest.mark.slow
+def test_the_study_writes_its_page_and_rigs_that_can_be_read_and_goes_on_where_it_was(tmp_path, capsys):
     out = tmp_path / "article"
-    assert main(["study", "article", "--out", str(out), "--json"]) == 0
+    command = ["study", "article", "--quick", "--out", str(out), "--json"]
+    assert main(command) == 0
     content = json.loads(capsys.readouterr().out)
     assert content == json.loads((out / "article.json").read_text())
-    assert len(content["at_rest"]) == 6
-    assert len(content["tests"]) == 12
+    assert len(content["at_rest"]) == 1
+    assert len(content["tests"]) == 2
     page = (out / "README.md").read_text()
     assert "figures/frequencies.png" in page
-    assert (out / "figures" / "frequencies.png").stat().st_size > 10_000
+    for name in ("frequencies", "sines"):
+        assert (out / "figures" / f"{name}.png").stat().st_size > 10_000
     for drive in DRIVES:
         np.testing.assert_allclose(natural_freqs(read_rig(out / f"rig_{drive}.toml")), MEASURED, rtol=1e-5)
+
+    (row,) = content["sines"]
+    assert [level["amplitude"] for level in row["levels"]] == list(AMPLITUDES)
+    for level in row["levels"]:
+        # Harmonic balance keeps 0.1 % of the sleeves' motion; the engines part by some tenths of a percent themselves.
+        assert max(level["check"]["errors"].values()) < 5e-3
+        assert level["check"]["errors"]["modal"] < 2e-3
+    assert row["levels"][1]["check"]["distortion"] > 0.1
+    assert any(not stable for stable in row["levels"][1]["curves"][0]["stable"])
+
+    kept = sorted((out / "sines").glob("*.json"))
+    assert len(kept) == len(AMPLITUDES)
+    before = [file.stat().st_mtime_ns for file in kept[1:]]
+    kept[0].unlink()
+    assert main(command) == 0
+    said = capsys.readouterr().err
+    assert said.count("sines of") == 1
+    assert [file.stat().st_mtime_ns for file in kept[1:]] == before
+
+
+def test_a_test_kept_for_another_rig_is_made_again(tmp_path, geometry):
+    path = tmp_path / "kept.json"
+    keep_json(path, {"geometry": asdict(geometry)})
+    assert _kept(path, geometry) is not None
+    assert _kept(path, replace(geometry, length=1.01 * geometry.length)) is None
+    assert _kept(tmp_path / "none.json", geometry) is None

@@ -6,6 +6,7 @@ import pytest
 from models.effects import EFFECTS, Place
 from models.effects.clearance import Clearance
 from models.effects.contact_stiffness import ContactStiffness
+from models.effects.hertz_contact import HertzContact
 from models.effects.point_mass import PointMass
 from models.effects.youngs_modulus import YoungsModulus
 from models.plant import build_plant
@@ -19,7 +20,7 @@ from testbed.hidden_effects.places import draw_place, is_apart, scene_at
 from testbed.hidden_effects.plan import KINDS, Task
 from testbed.hidden_effects.rigs import draw_rig
 from testbed.hidden_effects.sets import REPORTED, SETS, TUNING
-from testbed.hidden_effects.sizes import sized
+from testbed.hidden_effects.sizes import jittered, sized
 from testbed.hidden_effects.tolerated import tolerated
 from testbed.hidden_effects.trials import HELD, LEARNT, draw_trial
 from testbed.hidden_effects.truth import ENGINES, FINE, MODEL, Truth, measure
@@ -200,3 +201,12 @@ def test_a_blank_record_has_the_rigs_channels(built):
 def test_the_sets_have_other_forces():
     assert REPORTED.learnt.phases == "schroeder"
     assert TUNING.learnt.phases == "random"
+
+
+def test_no_number_is_drawn_at_its_bound_where_it_would_be_another_kind():
+    """A Hertz contact of exponent 1 is a stiffer spring."""
+    rng, start = np.random.default_rng(0), HertzContact(Place(sleeve="sleeve 1"), 1e7, 1.5)
+    exponents = np.array([jittered(start, rng, 1.5).exponent for _ in range(500)])
+    assert exponents.min() > 1.0
+    assert exponents.max() < 4.0
+    assert np.median(exponents) == pytest.approx(1.5, rel=0.1)

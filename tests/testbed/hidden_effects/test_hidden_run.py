@@ -8,7 +8,8 @@ from made_up_cases import failed, made_up
 from models.errors import InputError
 from testbed.cli.app import main
 from testbed.hidden_effects.plan import planned
-from testbed.hidden_effects.run import keep, run_hidden_effects
+from testbed.hidden_effects.run import run_hidden_effects
+from testbed.outputs import keep_json
 
 TASKS = planned("reported", 6, ["nothing", "point_mass"])
 
@@ -101,11 +102,11 @@ def test_the_command_prints_the_bars_and_its_status_tells_whether_all_were_met(t
     words = ["benchmark", "hidden-effects", "--out", str(tmp_path), "--cases", "200"]
     monkeypatch.setattr("testbed.hidden_effects.crew.on_this_machine", lambda jobs: one_after_the_other)
     for n, task in enumerate(planned("reported", 200)):
-        keep(tmp_path / "cases" / f"{task.name}.json", made_up(task.kind, task.number, inside=n % 20 != 1))
+        keep_json(tmp_path / "cases" / f"{task.name}.json", made_up(task.kind, task.number, inside=n % 20 != 1))
     assert main(words) == 0
     assert "both of two effects found" in capsys.readouterr().out
     for number in range(6):
-        keep(tmp_path / "cases" / f"reported-two-{number}.json", made_up("two", number, right=False))
+        keep_json(tmp_path / "cases" / f"reported-two-{number}.json", made_up("two", number, right=False))
     assert main([*words, "--json"]) == 1
     assert "both of two effects found" in json.loads(capsys.readouterr().out)["missed"]
 
