@@ -16,8 +16,9 @@ from scipy.optimize import brentq
 from models.errors import InputError
 from models.harmonic_balance.curve import PeriodicCurve
 from models.harmonic_balance.equations import Equations
-from models.harmonic_balance.follow import HARMONICS, Follower, Motion, Problem, Quadrature, Span
+from models.harmonic_balance.follow import HARMONICS, Follower
 from models.harmonic_balance.frf import ACCURACY, LEAST_SHARE, MOST_POINTS, SURVEYED, linear_motion
+from models.harmonic_balance.problem import Motion, Problem, Quadrature, Span
 from models.modal import build_modal
 from models.plant import Plant
 from models.point_forces import spring_and_dashpot

@@ -1,7 +1,7 @@
 """Following periodic motion while the frequency, or frequency and amplitude together, change; harmonics as needed."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -9,7 +9,8 @@ from models.arrays import ComplexArray, FloatArray
 from models.errors import DivergenceError
 from models.harmonic_balance.continuation import CORNER, SHARPEST_TURN, STEPS, Point, corrected, next_step
 from models.harmonic_balance.curve import PeriodicCurve
-from models.harmonic_balance.equations import Balance, Equations
+from models.harmonic_balance.equations import Balance
+from models.harmonic_balance.problem import Motion, Problem, resized
 from models.harmonic_balance.stability import Loss, stability_of
 
 HARMONICS = (3, 5, 7, 11, 15, 21, 31, 45, 63)
@@ -17,126 +18,6 @@ HARMONICS = (3, 5, 7, 11, 15, 21, 31, 45, 63)
 
 SPARE = 10.0
 """Times by which fewer harmonics have to be better than asked before they are taken."""
-
-
-@dataclass(frozen=True)
-class Span:
-    """Where the curve runs, and its units.
-
-    Attributes:
-        low, high: of the frequency, rad/s.
-        length: of the ports' motion, m.
-        least_amplitude, amplitude: of the excitation; it runs between them where it is free.
-    """
-
-    low: float
-    high: float
-    length: float
-    least_amplitude: float
-    amplitude: float
-
-    def holds(self, omega: float, amplitude: float) -> bool:
-        """Whether a point lies within."""
-        return self.low <= omega <= self.high and self.least_amplitude <= amplitude <= self.amplitude
-
-
-@dataclass(frozen=True, eq=False)
-class Motion:
-    """One periodic motion.
-
-    Attributes:
-        x: (n_ports, H + 1) coefficients of the ports about rest, m.
-        omega: rad/s.
-        amplitude: of the excitation.
-    """
-
-    x: ComplexArray
-    omega: float
-    amplitude: float
-
-
-@dataclass(frozen=True, eq=False)
-class Quadrature:
-    """Phase resonance: a port's first harmonic stands at right angles to the excitation.
-
-    Attributes:
-        port: its number.
-        given: phase of the input, of modulus 1.
-    """
-
-    port: int
-    given: complex
-
-
-@dataclass(frozen=True, eq=False)
-class Problem:
-    """The equations in units in which a curve's steps mean the same everywhere.
-
-    Attributes:
-        equations: for a number of harmonics.
-        span: units and ends.
-        omega: where the frequency is held and the amplitude free, rad/s; None where the frequency is free.
-        quadrature: asks for phase resonance, and frees the amplitude too; None at a fixed amplitude.
-    """
-
-    equations: Equations
-    span: Span
-    omega: float | None = None
-    quadrature: Quadrature | None = None
-
-    @property
-    def n_free(self) -> int:
-        """Numbers beside the ports' motion that are free."""
-        return 2 if self.quadrature is not None else 1
-
-    def point(self, motion: Motion) -> FloatArray:
-        """(m + 1,) a motion in the curve's units."""
-        x = _resized(motion.x, self.equations.n_harmonics)
-        free = [motion.omega / self._unit] if self.omega is None else []
-        if self.omega is not None or self.quadrature is not None:
-            free.append(motion.amplitude / self.span.amplitude)
-        return np.concatenate([self.equations.packed(x) / self.span.length, free])
-
-    def motion(self, u: FloatArray) -> Motion:
-        """The motion of a point."""
-        n = self.equations.n_unknowns
-        x, omega, amplitude = self.equations.unpacked(u[:n] * self.span.length), self.omega, self.span.amplitude
-        if omega is None:
-            return Motion(x, float(u[n]) * self._unit, amplitude * float(u[n + 1]) if self.quadrature else amplitude)
-        return Motion(x, omega, amplitude * float(u[n]))
-
-    def evaluate(self, u: FloatArray) -> tuple[FloatArray, FloatArray, Balance]:
-        """(m,) residual, (m, m + 1) slopes and the forces over the period."""
-        motion, length = self.motion(u), self.span.length
-        balance = self.equations.balance(motion.x, motion.omega, motion.amplitude)
-        residual = self.equations.packed(balance.residual) / length
-        slopes = [balance.by_x]
-        if self.omega is None:
-            slopes.append(balance.by_omega[:, None] * (self._unit / length))
-        if self.omega is not None or self.quadrature is not None:
-            slopes.append(balance.by_amplitude[:, None] * (self.span.amplitude / length))
-        slope = np.hstack(slopes)
-        if self.quadrature is None:
-            return residual, slope, balance
-        first = self.quadrature.port * (2 * self.equations.n_harmonics + 1) + 1
-        row = np.zeros(slope.shape[1])
-        row[first], row[first + self.equations.n_harmonics] = self.quadrature.given.real, self.quadrature.given.imag
-        return np.append(residual, row @ u), np.vstack([slope, row]), balance
-
-    def with_harmonics(self, n: int) -> "Problem":
-        """The same with another number of harmonics."""
-        return replace(self, equations=replace(self.equations, n_harmonics=n))
-
-    @property
-    def _unit(self) -> float:
-        return self.span.high - self.span.low
-
-
-def _resized(x: ComplexArray, n_harmonics: int) -> ComplexArray:
-    resized = np.zeros((len(x), n_harmonics + 1), complex)
-    kept = min(x.shape[1], n_harmonics + 1)
-    resized[:, :kept] = x[:, :kept]
-    return resized
 
 
 @dataclass(frozen=True, eq=False)
@@ -254,7 +135,7 @@ class Follower:
         """Problem and point with another number of harmonics."""
         old, new = self.problem, self.problem.with_harmonics(n)
         u = new.point(old.motion(point.u))
-        turned = new.equations.packed(_resized(old.equations.unpacked(point.direction[: -new.n_free]), n))
+        turned = new.equations.packed(resized(old.equations.unpacked(point.direction[: -new.n_free]), n))
         direction = np.append(turned, point.direction[-new.n_free :])
         return new, Point(u, direction / np.linalg.norm(direction), point.iterations, point.seen)
 
@@ -292,8 +173,8 @@ class Follower:
             model=self.problem.equations.model,
             freqs=np.array([one.motion.omega for one in found]) / (2.0 * np.pi),
             amplitudes=np.array([one.motion.amplitude for one in found]),
-            motion=np.stack([_resized(one.motion.x, most) for one in found]),
-            forces=np.stack([_resized(one.forces, most) for one in found]),
+            motion=np.stack([resized(one.motion.x, most) for one in found]),
+            forces=np.stack([resized(one.forces, most) for one in found]),
             left_out=np.array([one.left_out for one in found]),
             largest_multiplier=np.array([one.largest for one in found]),
             losses=tuple(one.loss for one in found),

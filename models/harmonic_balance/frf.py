@@ -9,7 +9,8 @@ from models.arrays import ComplexArray, FloatArray
 from models.errors import DivergenceError, InputError
 from models.harmonic_balance.curve import PeriodicCurve
 from models.harmonic_balance.equations import Equations
-from models.harmonic_balance.follow import HARMONICS, Follower, Motion, Problem, Span
+from models.harmonic_balance.follow import HARMONICS, Follower
+from models.harmonic_balance.problem import Motion, Problem, Span
 from models.linear import linearised
 from models.modal import build_modal
 from models.plant import Plant

@@ -1,7 +1,7 @@
 """Sines through the first resonance at three levels: folds and backbones by harmonic balance, checked in time."""
 
 from dataclasses import asdict, dataclass
-from math import ceil, log
+from math import ceil
 from time import perf_counter
 from typing import Any
 
@@ -10,6 +10,8 @@ import numpy as np
 from models.arrays import ComplexArray, FloatArray
 from models.harmonic_balance import PeriodicCurve, backbone, nonlinear_frf
 from models.plant import Plant, build_plant
+from models.record import Record
+from models.simulate import simulate
 from models.simulators import simulator
 from models.simulators.protocol import Resolution, Trial
 from testbed.article.rig import BAND as MODES_UP_TO
@@ -32,11 +34,14 @@ ENGINES = ("modal", "mujoco", "exudyn")
 FS, WATCHED, SPARE = 1024.0, 1.0, 0.25
 """Hz; s of steady state that are compared; s before the record's end that its filter spoils."""
 
-SETTLED = 1e-3
-"""Share of the transient that is left when a test counts as steady."""
+SETTLED, LONGEST = 1e-3, 60.0
+"""Difference of the first harmonics from those at the end of the longest test, s, from which on motion is steady."""
 
 LARGEST_MULTIPLIER = 0.95
 """Of motion that is compared: what settles more slowly is a bifurcation's neighbour, at which models part."""
+
+ASIDE = 1e-3
+"""Share of a frequency on either side at which the curve must have one motion too."""
 
 
 @dataclass(frozen=True)
@@ -46,13 +51,16 @@ class Check:
     Attributes:
         freq: Hz, at which the curve has this motion alone.
         distortion: rms of the higher harmonics over the first at the tip.
-        errors: per engine, difference of the first harmonics over their size, all eight points together.
+        stays: difference of the first harmonics over their size, all eight points together, of the modal model begun on
+            the curve and stepped as long as the others.
+        errors: the same per engine, begun at rest.
         seconds: per engine, of processor until the motion is steady.
         until_steady: s of motion.
     """
 
     freq: float
     distortion: float
+    stays: float
     errors: dict[str, float]
     seconds: dict[str, float]
     until_steady: float
@@ -67,7 +75,7 @@ class Sines:
         amplitude: N.
         curves: up through the band, and down where it folds back.
         seconds: of processor that they took.
-        check: None where no motion of the curve is alone and settles.
+        check: None where no motion of the curve is alone, or the one chosen does not settle.
     """
 
     clearance: float
@@ -145,36 +153,59 @@ def _checked(plant: Plant, amplitude: float, curves: list[PeriodicCurve]) -> Che
     read = curve.read(names)
     tip = read[:, names.index(TIP)]
     distortion = np.linalg.norm(tip[:, 2:], axis=1) / np.abs(tip[:, 1])
-    alone = np.array([_crossings(curve.freqs, freq) == 1 for freq in curve.freqs])
+    alone = np.array([_is_alone(curve.freqs, freq) for freq in curve.freqs])
     fit = alone & (curve.largest_multiplier < LARGEST_MULTIPLIER)
     fit[[0, -1]] = False
     if not fit.any():
         return None
     point = int(np.argmax(np.where(fit, distortion, -1.0)))
-    freq, multiplier = float(curve.freqs[point]), float(curve.largest_multiplier[point])
-    until = log(SETTLED) / log(multiplier) / freq
-    errors, seconds = {}, {}
+    freq = float(curve.freqs[point])
+    until = _settling(plant, amplitude, freq)
+    if until is None:
+        return None
+    first, errors, seconds = read[point, :, 1], {}, {}
     for engine in ENGINES:
         began = perf_counter()
-        stepped = _stepped(engine, plant, amplitude, freq, until)
+        (stepped,) = _stepped(engine, plant, amplitude, freq, [until])
         seconds[engine] = perf_counter() - began
-        errors[engine] = float(np.linalg.norm(stepped - read[point, :, 1]) / np.linalg.norm(stepped))
-    return Check(freq, float(distortion[point]), errors, seconds, until)
+        errors[engine] = float(np.linalg.norm(stepped - first) / np.linalg.norm(first))
+    (begun,) = _stepped("modal", plant, amplitude, freq, [until], curve.states()[point])
+    stays = float(np.linalg.norm(begun - first) / np.linalg.norm(first))
+    return Check(freq, float(distortion[point]), stays, errors, seconds, until)
 
 
-def _crossings(freqs: FloatArray, freq: float) -> int:
-    """How often a curve has a frequency; the point itself counts once."""
-    above = freqs >= freq
-    return int(np.count_nonzero(above[1:] != above[:-1]))
+def _is_alone(freqs: FloatArray, freq: float) -> bool:
+    """Whether the curve passes a frequency once; at a fold's tip it passes once, and beside it not."""
+    aside = (freq * (1.0 - ASIDE), freq * (1.0 + ASIDE))
+    return all(np.count_nonzero((freqs[1:] >= at) != (freqs[:-1] >= at)) == 1 for at in aside)
 
 
-def _stepped(engine: str, plant: Plant, amplitude: float, freq: float, until: float) -> ComplexArray:
-    """(n_sensors,) first harmonics of the steady state, begun from rest."""
-    time = np.arange(ceil((until + WATCHED + SPARE) * FS)) / FS
+def _settling(plant: Plant, amplitude: float, freq: float) -> float | None:
+    """S from rest until the modal model's motion is as at the end of a long test; None where it is not before."""
+    begins = np.arange(1.0, LONGEST)
+    found = _stepped("modal", plant, amplitude, freq, begins.tolist())
+    apart = np.linalg.norm(found - found[-1], axis=1) > SETTLED * np.linalg.norm(found[-1])
+    last = int(np.flatnonzero(apart)[-1]) if apart.any() else -1
+    return None if last >= len(begins) // 2 else float(begins[last + 1])
+
+
+def _stepped(
+    engine: str, plant: Plant, amplitude: float, freq: float, begins: list[float], start: FloatArray | None = None
+) -> ComplexArray:
+    """(n, n_sensors) first harmonics, each over ``WATCHED`` seconds from a time on, s; from rest, or a modal state."""
+    time = np.arange(ceil((begins[-1] + WATCHED + SPARE) * FS)) / FS
     force = amplitude * np.cos(2.0 * np.pi * freq * time)
-    channels = simulator(engine).run(plant, Trial(FS, force), Resolution()).channels
-    seen = (time >= until) & (time < until + WATCHED)
+    if start is None:
+        channels = simulator(engine).run(plant, Trial(FS, force), Resolution()).channels
+    else:
+        names = tuple(sensor.name for sensor in plant.sensors)
+        record = Record("sine", FS, force, names, np.zeros((len(names), len(time))))
+        channels = simulate(plant, record, start=start).channels
     orders = range(1, int(0.4 * FS / freq) + 1)
-    waves = [turn(2.0 * np.pi * freq * k * time[seen]) for k in orders for turn in (np.cos, np.sin)]
-    fitted, *_ = np.linalg.lstsq(np.column_stack([np.ones(seen.sum()), *waves]), channels[:, seen].T)
-    return np.asarray(fitted[1] - 1j * fitted[2])
+    rows = []
+    for begin in begins:
+        seen = (time >= begin) & (time < begin + WATCHED)
+        waves = [turn(2.0 * np.pi * freq * k * time[seen]) for k in orders for turn in (np.cos, np.sin)]
+        fitted, *_ = np.linalg.lstsq(np.column_stack([np.ones(seen.sum()), *waves]), channels[:, seen].T)
+        rows.append(fitted[1] - 1j * fitted[2])
+    return np.stack(rows)

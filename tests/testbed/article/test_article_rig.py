@@ -101,6 +101,7 @@ def test_the_study_writes_its_page_and_rigs_that_can_be_read_and_goes_on_where_i
         # Harmonic balance keeps 0.1 % of the sleeves' motion; the engines part by some tenths of a percent themselves.
         assert max(level["check"]["errors"].values()) < 5e-3
         assert level["check"]["errors"]["modal"] < 2e-3
+        assert level["check"]["stays"] < 2e-3
     assert row["levels"][1]["check"]["distortion"] > 0.1
     assert any(not stable for stable in row["levels"][1]["curves"][0]["stable"])
 
