@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
 Json = Mapping[str, Any]
 
@@ -104,6 +104,7 @@ def plot_held_out(ax: Axes, rows: Sequence[Json]) -> None:
         ax.annotate(name, (first, 1.0), xycoords=("data", "axes fraction"), xytext=(2, -10),
                     textcoords="offset points", fontsize=8)  # fmt: skip
     ax.set_yscale("log")
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.set(xlabel="case", ylabel="error held out / true noise [-]")
     ax.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
@@ -141,6 +142,9 @@ def plot_seconds(ax: Axes, seconds: Json) -> None:
     ax.hist(rows, edges.tolist(), color=RIGHT)
     ax.axvline(seconds["median"], color="black", linewidth=1.0, label=f"median {seconds['median']:.3g} s")
     ax.set_xscale("log")
+    ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+    ax.xaxis.set_minor_formatter(NullFormatter())
     threads = " or ".join(str(n) for n in seconds["threads"])
     ax.set(xlabel=f"seconds of a diagnosis, {threads} thread(s)", ylabel="cases")
     ax.legend(fontsize=8)
