@@ -29,13 +29,13 @@ def with_log_std(effect, spreads):
 @pytest.mark.parametrize("effect", [PointMass(AT, 0.05), ClampCompliance(Place(), 1e5)])
 def test_a_size_known_to_a_factor_is_established_or_not(effect):
     spread = effect.fitted_parameters()[0][1].spread
-    assert unestablished(with_log_std(effect, 0.9 * log(1.5) / spread)) is None
-    assert unestablished(with_log_std(effect, 1.1 * log(1.5) / spread)) == 0
+    assert unestablished(with_log_std(effect, 0.9 * log(3.0) / spread)) is None
+    assert unestablished(with_log_std(effect, 1.1 * log(3.0) / spread)) == 0
 
 
 def test_a_factor_is_measured_from_one():
     spread = SensorGain.parameters()["gain"].spread
-    std = 0.02 / spread if SensorGain.parameters()["gain"].scale == "log" else 0.02
+    std = 0.03 / spread if SensorGain.parameters()["gain"].scale == "log" else 0.03
     known = fit_of(SensorGain(Place(sensor="P3"), 1.1), 1000.0)
     unit = known.unknowns[0].unit if SensorGain.parameters()["gain"].scale == "linear" else 1.0
     assert unestablished(replace(known, covariance=np.array([[(std / unit) ** 2]]))) is None
@@ -47,8 +47,8 @@ def test_an_offset_is_measured_from_none_whatever_its_sign():
     for sign in (-1.0, 1.0):
         found = fit_of(GapOffset(SLEEVE, sign * 1e-4), 1000.0)
         unit = found.unknowns[0].unit
-        assert unestablished(replace(found, covariance=np.array([[(0.4e-4 / unit) ** 2]]))) is None
-        assert unestablished(replace(found, covariance=np.array([[(0.6e-4 / unit) ** 2]]))) == 0
+        assert unestablished(replace(found, covariance=np.array([[(1.9e-4 / unit) ** 2]]))) is None
+        assert unestablished(replace(found, covariance=np.array([[(2.1e-4 / unit) ** 2]]))) == 0
 
 
 def test_numbers_that_are_known_together_alone_establish_an_effect():
@@ -67,5 +67,5 @@ def test_another_law_in_a_contact_has_no_size():
 
 def test_the_misfit_counts():
     spread = PointMass.parameters()["mass"].spread
-    found = with_log_std(PointMass(AT, 0.05), 0.9 * log(1.5) / spread)
+    found = with_log_std(PointMass(AT, 0.05), 0.9 * log(3.0) / spread)
     assert unestablished(replace(found, chi2=4000.0)) == 0
