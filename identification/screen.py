@@ -216,7 +216,7 @@ def promising(suspects: Sequence[Suspect], per_kind: int, apart: float = 0.0) ->
 
 
 def _differs(one: Effect, other: Effect, apart: float) -> bool:
-    if one.valley != other.valley or any(getattr(one, key) != getattr(other, key) for key in one.options):
+    if one.is_variant_of(other):
         return True
     here, there = one.place.position, other.place.position
     if here is None or there is None or one.place.sleeve or other.place.sleeve:

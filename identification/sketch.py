@@ -179,9 +179,7 @@ def is_alike(one: Fit, other: Fit) -> bool:
         other: of the same rig.
     """
     effect, rival = one.hypothesis.effects[-1], other.hypothesis.effects[-1]
-    if effect.kind != rival.kind or effect.valley != rival.valley:
-        return False
-    if any(getattr(effect, key) != getattr(rival, key) for key in effect.options):
+    if effect.kind != rival.kind or effect.is_variant_of(rival):
         return False
     return is_same_place(effect.place, rival.place, one.hypothesis.rig)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from identification.progress import Progress
 from models.errors import InputError
-from models.harmonic_balance import PeriodicCurve, backbone, nonlinear_frf
+from models.harmonic_balance import PeriodicCurve, backbone, from_both_ends
 from models.plant import Plant, build_plant
 from models.rig import Rig
 from testbed.quantities import unit_of
@@ -88,14 +88,10 @@ def swept(
             "choose one of them with --sensor" if names else "add [[sensors]] to the rig file",
         )
     seen = sensor if sensor is not None else names[-1]
-    plant, curves = build_plant(rig), []
+    plant, curves = build_plant(rig), list[PeriodicCurve]()
     for amplitude in sorted(set(amplitudes)):
         progress(f"following the motion under {amplitude:g} from {band[0]:g} to {band[1]:g} Hz")
-        up = nonlinear_frf(plant, amplitude, band, highest)
-        curves.append(up)
-        if up.ended:
-            progress(f"{amplitude:g}: {up.ended}; following it from {band[1]:g} Hz down")
-            curves.append(nonlinear_frf(plant, amplitude, band, highest, downwards=True))
+        curves += from_both_ends(plant, amplitude, band, highest, progress)
     progress(f"following the resonance that {seen} sees up to {max(amplitudes):g}")
     spine, without = _spine(plant, seen, max(amplitudes), band, highest)
     return Sweep(rig, seen, tuple(curves), spine, without)

@@ -219,6 +219,14 @@ class Effect(ABC):
         """In which of several valleys its numbers lie, if a fit hardly crosses from one to another; empty if in one."""
         return ""
 
+    def is_variant_of(self, other: "Effect") -> bool:
+        """Whether it differs from another one of its kind in more than numbers and place: by an option or a valley.
+
+        Args:
+            other: of the same kind.
+        """
+        return self.valley != other.valley or any(getattr(self, key) != getattr(other, key) for key in self.options)
+
     def change_structure(self, structure: Structure) -> Structure:
         """The linear structure with this effect in it."""
         return structure

@@ -2,6 +2,6 @@
 
 from models.harmonic_balance.backbone import backbone
 from models.harmonic_balance.curve import PeriodicCurve
-from models.harmonic_balance.frf import nonlinear_frf
+from models.harmonic_balance.frf import from_both_ends, nonlinear_frf
 
-__all__ = ["PeriodicCurve", "backbone", "nonlinear_frf"]
+__all__ = ["PeriodicCurve", "backbone", "from_both_ends", "nonlinear_frf"]

@@ -79,7 +79,7 @@ def backbone(
 
     start = float(brentq(phase, omega[at], omega[at + 1]))
     first = linear_motion(equations, np.array([start]))[0]
-    span = Span(low, high, amplitude * float(np.abs(first).max()), 0.0, amplitude)
+    span = Span(low, high, amplitude * float(np.abs(first).max()), amplitude)
     x = np.zeros((len(model.ports), HARMONICS[0] + 1), complex)
     x[:, 1] = 0.5 * LEAST_SHARE * amplitude * first
     problem = Problem(equations, span, quadrature=Quadrature(number, given))

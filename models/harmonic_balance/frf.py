@@ -65,7 +65,7 @@ def nonlinear_frf(
         )
     equations = Equations.of(model, HARMONICS[0])
     first, begin = linear_motion(equations, np.linspace(low, high, SURVEYED)), high if downwards else low
-    span = Span(low, high, amplitude * float(np.abs(first).max()), 0.0, amplitude)
+    span = Span(low, high, amplitude * float(np.abs(first).max()), amplitude)
     x = np.zeros((len(model.ports), HARMONICS[0] + 1), complex)
     x[:, 1] = 0.5 * LEAST_SHARE * amplitude * first[-1 if downwards else 0]
     # From small motion the amplitude grows at the first frequency, so that the curve begins where a test would.
@@ -82,6 +82,29 @@ def nonlinear_frf(
     if not curve.ended and sign * (2.0 * np.pi * curve.freqs[-1] - begin) < 0.0:
         return replace(curve, ended=f"the curve folds back and leaves the band at {curve.freqs[-1]:.4g} Hz, as it came")
     return curve
+
+
+def from_both_ends(
+    plant: Plant,
+    amplitude: float,
+    band: tuple[float, float],
+    highest: float,
+    progress: Callable[[str], None] = lambda _: None,
+) -> tuple[PeriodicCurve, ...]:
+    """The curve from the lower end of a band and, where it does not reach the upper one, that from there too.
+
+    Args:
+        plant: as for ``nonlinear_frf``, which raises what this does.
+        amplitude: of the sine.
+        band: Hz.
+        highest: frequency up to which modes follow the motion, Hz.
+        progress: told where the curve ends before the band does.
+    """
+    up = nonlinear_frf(plant, amplitude, band, highest)
+    if not up.ended:
+        return (up,)
+    progress(f"{amplitude:g}: {up.ended}; following it from {band[1]:g} Hz down")
+    return up, nonlinear_frf(plant, amplitude, band, highest, downwards=True)
 
 
 LEAST_SHARE = 1e-3

@@ -15,18 +15,17 @@ class Span:
     Attributes:
         low, high: of the frequency, rad/s.
         length: of the ports' motion, m.
-        least_amplitude, amplitude: of the excitation; it runs between them where it is free.
+        amplitude: of the excitation; where it is free it runs up to here.
     """
 
     low: float
     high: float
     length: float
-    least_amplitude: float
     amplitude: float
 
     def holds(self, omega: float, amplitude: float) -> bool:
         """Whether a point lies within."""
-        return self.low <= omega <= self.high and self.least_amplitude <= amplitude <= self.amplitude
+        return self.low <= omega <= self.high and 0.0 <= amplitude <= self.amplitude
 
 
 @dataclass(frozen=True, eq=False)

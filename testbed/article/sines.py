@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from models.arrays import ComplexArray, FloatArray
-from models.harmonic_balance import PeriodicCurve, backbone, nonlinear_frf
+from models.harmonic_balance import PeriodicCurve, backbone, from_both_ends
 from models.plant import Plant, build_plant
 from models.record import Record
 from models.simulate import simulate
@@ -97,11 +97,9 @@ def sines(geometry: Geometry, clearance: float, amplitude: float) -> Sines:
         DivergenceError: no periodic motion was found at the lower frequency.
     """
     plant, began = build_plant(geometry.rig(clearance, "force")), perf_counter()
-    curves = [nonlinear_frf(plant, amplitude, THROUGH, MODES_UP_TO)]
-    if curves[0].ended:
-        curves.append(nonlinear_frf(plant, amplitude, THROUGH, MODES_UP_TO, downwards=True))
+    curves = from_both_ends(plant, amplitude, THROUGH, MODES_UP_TO)
     seconds = perf_counter() - began
-    return Sines(clearance, amplitude, tuple(curves), seconds, _checked(plant, amplitude, curves))
+    return Sines(clearance, amplitude, curves, seconds, _checked(plant, amplitude, curves[0]))
 
 
 def sines_json(found: Sines) -> Json:
@@ -145,9 +143,9 @@ def spine(geometry: Geometry, clearance: float) -> PeriodicCurve:
     return backbone(plant, TIP, AMPLITUDES[-1], THROUGH, MODES_UP_TO)
 
 
-def _checked(plant: Plant, amplitude: float, curves: list[PeriodicCurve]) -> Check | None:
+def _checked(plant: Plant, amplitude: float, curve: PeriodicCurve) -> Check | None:
     """The most distorted motion that is alone at its frequency and settles, by all engines."""
-    curve, names = curves[0], [sensor.name for sensor in plant.sensors]
+    names = [sensor.name for sensor in plant.sensors]
     if curve.ended:
         return None
     read = curve.read(names)

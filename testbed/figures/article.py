@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 
 from testbed.article.sines_run import Json
 from testbed.article.study import AtRest
+from testbed.figures.sweep import plot_curve
 
 
 def frequencies_figure(rests: Sequence[AtRest]) -> Figure:
@@ -34,11 +35,9 @@ def sines_figure(rows: Sequence[Json]) -> Figure:
     for ax, row in zip(panels, rows, strict=False):
         for number, level in enumerate(row["levels"]):
             for part, curve in enumerate(level["curves"]):
-                peaks, stable = np.array(curve["peak"]), np.array(curve["stable"])
-                reached = stable | np.roll(stable, 1) | np.roll(stable, -1)
+                freqs, peaks, stable = (np.array(curve[key]) for key in ("frequency", "peak", "stable"))
                 name = f"{level['amplitude']:g} N" if part == 0 else None
-                ax.plot(curve["frequency"], np.where(reached, peaks, np.nan), color=f"C{number}", label=name)
-                ax.plot(curve["frequency"], np.where(stable, np.nan, peaks), ":", color=f"C{number}", linewidth=1.0)
+                plot_curve(ax, freqs, peaks, stable, f"C{number}", name, None)
             if level["check"] is not None:
                 at = level["check"]["freq"]
                 curve = level["curves"][0]

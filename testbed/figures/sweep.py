@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from models.harmonic_balance import PeriodicCurve
+from models.arrays import FloatArray
 from testbed.sweep import Sweep
 
 
@@ -19,7 +19,8 @@ def sweep_figure(found: Sweep) -> Figure:
     levels = sorted({float(curve.amplitudes[0]) for curve in found.curves})
     for curve in found.curves:
         level = float(curve.amplitudes[0])
-        plot_curve(ax, curve, found.sensor, f"C{levels.index(level)}", f"{level:g} {found.level_unit}")
+        peaks, label = curve.peaks([found.sensor])[:, 0], f"{level:g} {found.level_unit}"
+        plot_curve(ax, curve.freqs, peaks, curve.is_stable, f"C{levels.index(level)}", label, "unstable")
     if found.spine is not None:
         peaks = found.spine.peaks([found.sensor])[:, 0]
         ax.plot(found.spine.freqs, peaks, "--", color="0.25", linewidth=1.2, label="backbone")
@@ -31,18 +32,27 @@ def sweep_figure(found: Sweep) -> Figure:
     return figure
 
 
-def plot_curve(ax: Axes, curve: PeriodicCurve, sensor: str, color: str, label: str) -> None:
+def plot_curve(
+    ax: Axes,
+    freqs: FloatArray,
+    peaks: FloatArray,
+    stable: np.ndarray,
+    color: str,
+    label: str | None,
+    unstable: str | None,
+) -> None:
     """One curve: stable stretches solid, unstable ones dotted and thin.
 
     Args:
         ax: to draw on.
-        curve: finished.
-        sensor: whose reading is drawn.
+        freqs: (n,) Hz.
+        peaks: (n,) half of what the reading swings.
+        stable: (n,) of bool.
         color: of both.
-        label: of the stable stretches.
+        label: of the stable stretches; None for no entry in the legend.
+        unstable: of the others.
     """
-    peaks, stable = curve.peaks([sensor])[:, 0], curve.is_stable
     reached = stable | np.roll(stable, 1) | np.roll(stable, -1)  # a stretch goes on to where the next one begins
-    ax.plot(curve.freqs, np.where(reached, peaks, np.nan), color=color, linewidth=1.2, label=label)
+    ax.plot(freqs, np.where(reached, peaks, np.nan), color=color, linewidth=1.2, label=label)
     if not stable.all():
-        ax.plot(curve.freqs, np.where(stable, np.nan, peaks), ":", color=color, linewidth=1.0, label="unstable")
+        ax.plot(freqs, np.where(stable, np.nan, peaks), ":", color=color, linewidth=1.0, label=unstable)
