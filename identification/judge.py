@@ -1,18 +1,19 @@
 """Which effect is missing? Look for suspects, refit the best with all numbers, rank them by evidence."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from math import inf
 
-from identification.calibrate import Windows, beginning, calibrate, pulled
+from identification.calibrate import Windows, beginning, calibrate, concerning, pulled
 from identification.evaluate import Evaluator
 from identification.evidence import Ranked, misfit_in_common, reweighed, with_evidence
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, free_place, own_unknowns
 from identification.in_step import tried_with
 from identification.look import View, afar, beside
-from identification.progress import Progress
+from identification.progress import Progress, silent
 from identification.scene import is_same_place, sleeves_of
+from identification.screen import promising, survey
 from identification.simpler import simpler_ones
 from identification.sketch import (
     FAR_BEHIND,
@@ -24,7 +25,7 @@ from identification.sketch import (
     by_share,
     is_alike,
 )
-from models.effects import Effect
+from models.effects import Effect, Registry
 
 REFIT_WINDOWS: Windows = ((0.35, 2.0),)
 """The sketch has seen the beginning."""
@@ -63,7 +64,8 @@ def judge(
             lasting = []
         found = _best(sketches, FINALISTS, REFITS_PER_KIND)
         new = [sketch for sketch in found if not any(is_alike(sketch.fit, row.fit) for row in ranked)]
-        more = _finals(new, by_share(sketches), fitting, base, progress)
+        kinds = {} if instant is None else instant.registry
+        more = _finals(new, by_share(sketches), fitting, base, kinds, progress)
         rows = [row for row in (*ranked, *more) if row.refitted]
         ranked = _settled(fitting, reweighed(ranked, rows), progress) if ranked else more
         if ranked and ranked[0].fit.ratio < EXPLAINED:
@@ -80,7 +82,12 @@ second the beginning of the records is seen first, since nothing is linear."""
 
 
 def _finals(
-    finalists: Sequence[Sketch], sketches: Sequence[Sketch], fitting: Evaluator, base: Fit, progress: Progress
+    finalists: Sequence[Sketch],
+    sketches: Sequence[Sketch],
+    fitting: Evaluator,
+    base: Fit,
+    registry: Registry,
+    progress: Progress,
 ) -> list[Ranked]:
     """The finalists refitted, but for those that plainly stay above the noise that another has reached.
 
@@ -89,6 +96,7 @@ def _finals(
         sketches: all of them, the best first.
         fitting: records to refit on.
         base: the model without an effect more.
+        registry: kinds to try in a sleeve that the first of them has come to.
         progress: told what is being done.
     """
     ranked: list[Ranked] = []
@@ -114,6 +122,7 @@ def _finals(
                 leader = (sketch, result)
     ordered = with_evidence(ranked)
     ordered = with_evidence([*ordered, *_simpler(fitting, base, ordered, sketches)])
+    ordered = with_evidence([*ordered, *_of_the_sleeve(fitting, base, ordered, registry)])
     ordered = _settled(fitting, with_evidence([*ordered, *_at_sleeves(fitting, base, ordered)]), progress)
     for fit_there, farther in beaten:
         behind = 0.5 * (farther**2 - 1.0) * ordered[0].fit.chi2 / misfit_in_common(ordered)
@@ -148,9 +157,36 @@ def _simpler(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], sketches: 
     """Laws with fewer numbers than the first, begun where it has come to, if it has reached the noise."""
     if not ranked or ranked[0].fit.ratio > EXPLAINED:
         return []
+    return _begun_at_leader(fitting, base, ranked, simpler_ones(ranked[0].effect, sketches))
+
+
+def _of_the_sleeve(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], registry: Registry) -> list[Ranked]:
+    """What can sit in a sleeve alone, tried where the first effect's free place has come to one, if it explains all."""
+    if not ranked or ranked[0].fit.ratio > EXPLAINED or not free_place(ranked[0].effect):
+        return []
+    leader = ranked[0].fit.hypothesis
+    rig, there = leader.rig, ranked[0].effect.place
+    sleeve = next((place for place in sleeves_of(rig) if is_same_place(place, there, rig)), None)
+    kinds = {name: kind for name, kind in registry.items() if kind.places == ("sleeve",)}
+    if sleeve is None or not kinds:
+        return []
+    window = fitting if fitting.at_rest else beginning(fitting, *REFIT_WINDOWS[0])
+    bare = replace(leader, effects=leader.effects[:-1])
+    try:
+        ground = fit(window, bare, concerning(base, window), max_iterations=0)
+    except ArithmeticError:
+        return []
+    seen = promising(survey(window, ground, kinds, silent, sleeve.position), 1)
+    return _begun_at_leader(fitting, base, ranked, (s.effect for s in seen if s.effect.place == sleeve))
+
+
+def _begun_at_leader(
+    fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], effects: Iterable[Effect]
+) -> list[Ranked]:
+    """Effects begun beside the first one's numbers of the rig, refitted where they come near what it leaves."""
     leader, rows = ranked[0].fit, []
     as_good = {row.effect.kind for row in ranked if row.fit.ratio < RULED_OUT * leader.ratio}
-    for effect in simpler_ones(ranked[0].effect, sketches):
+    for effect in effects:
         if effect.kind in as_good:
             continue
         start = tried_with(fitting, replace(base.hypothesis, values=leader.hypothesis.values), effect)

@@ -60,7 +60,7 @@ def beside(view: View, base: Fit, progress: Progress) -> list[Sketch]:
     """
     evaluator, there, registry = view.evaluator, view.there, view.registry
     plain = view.is_lasting or bool(evaluator.at_rest)  # FRFs have no beginning
-    back = there.hypothesis if evaluator.at_rest or there.hypothesis.effects else put_back(there)
+    back = there.hypothesis if evaluator.at_rest else put_back(there)
     start = there.hypothesis if plain else back
     telling = None if plain else _telling(evaluator, start, base)
     if telling is None:

@@ -5,16 +5,18 @@ from trial_records import REFERENCE, evaluator_of, fit_of, measured, multisine
 
 from identification import judge as judging
 from identification.evidence import Ranked, log_occam
-from identification.hypothesis import Hypothesis
-from identification.judge import LEAST_REFITS, RULED_OUT, _best, _finals, judge
+from identification.fit import fit
+from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
+from identification.judge import LEAST_REFITS, RULED_OUT, _best, _finals, _of_the_sleeve, judge
 from identification.look import View
 from identification.sketch import FAR_BEHIND, Sketch
-from models.effects import Place
+from models.effects import EFFECTS, Place
 from models.effects.coulomb_friction import CoulombFriction
 from models.effects.point_damping import PointDamping
 from models.effects.point_mass import PointMass
 from models.effects.point_stiffness import PointStiffness
 from models.effects.sensor_gain import SensorGain
+from models.effects.squeeze_film import SqueezeFilm
 from models.effects.wear import Wear
 
 HERE = Place(position=0.7)
@@ -90,7 +92,7 @@ def refits(monkeypatch):
 
 def finals(sketches):
     evaluator = evaluator_of(measured(Hypothesis(REFERENCE), multisine(512)))
-    return _finals(sketches, sketches, evaluator, BASE, lambda _: None)
+    return _finals(sketches, sketches, evaluator, BASE, {}, lambda _: None)
 
 
 def test_when_the_first_reaches_the_noise_those_far_off_are_not_refitted(refits):
@@ -162,7 +164,7 @@ def test_kinds_in_time_are_looked_at_where_no_other_reaches_the_noise(monkeypatc
         asked.append(view.is_lasting)
         return [sketch(MASS, 1.0 - left**2 * (1000.0 / BASE.chi2))]
 
-    def settled(finalists, sketches, fitting, base, progress):
+    def settled(finalists, sketches, fitting, base, registry, progress):
         return [Ranked(MASS, fit_of(MASS, 1000.0), refitted=True, log_evidence=0.0)]
 
     monkeypatch.setattr(judging, "beside", beside)
@@ -172,3 +174,21 @@ def test_kinds_in_time_are_looked_at_where_no_other_reaches_the_noise(monkeypatc
     judge(views, None, BASE, lambda _: None)
 
     assert asked == looked_at
+
+
+@pytest.mark.parametrize("away", [0.01, 0.2])
+def test_a_dashpot_that_came_to_a_sleeve_is_held_against_what_sits_in_it(away):
+    """Grease in a sleeve whose wall is never left is a dashpot; a dashpot elsewhere is asked nothing."""
+    sleeve = REFERENCE.sleeves[1]
+    film = SqueezeFilm(Place(sleeve=sleeve.name, position=sleeve.position), damping=1.0)
+    truth = Hypothesis(REFERENCE, effects=(film,))
+    evaluator, unknowns = evaluator_of(measured(truth, multisine(4096, rms=0.3))), rig_unknowns(REFERENCE)
+    base = fit(evaluator, Hypothesis(REFERENCE), unknowns)
+    dashpot = Hypothesis(REFERENCE, effects=(PointDamping(Place(position=sleeve.position - away), damping=28.0),))
+    there = fit(evaluator, dashpot, (*unknowns, *effect_unknowns(dashpot, places=False)))
+    leader = Ranked(dashpot.effects[-1], there, refitted=True, log_evidence=0.0)
+    rows = _of_the_sleeve(evaluator, base, [leader], {kind: EFFECTS[kind] for kind in ("squeeze_film", "point_mass")})
+    assert [(row.effect.kind, row.effect.place.sleeve) for row in rows] == (
+        [("squeeze_film", sleeve.name)] if away < 0.1 else []
+    )
+    assert all(row.fit.ratio < 1.02 for row in rows)
