@@ -89,15 +89,25 @@ def candidates_of(ranked: Sequence[Ranked], chances: Sequence[float], evaluator:
 def groups_of(ranked: Sequence[Ranked], chances: Sequence[float]) -> tuple[tuple[Effect, ...], ...]:
     """Effects of a round that the records cannot tell from the best, places that its fit leaves open among them.
 
-    What was known beforehand may speak for one of two that predict the same; they are one group all the same.
+    Args:
+        ranked: of the round.
+        chances: probabilities of its rows.
+    """
+    group = tuple(row.effect for row, _ in undecided(ranked, chances))
+    return (group,) if len(group) > 1 else ()
+
+
+def undecided(ranked: Sequence[Ranked], chances: Sequence[float]) -> tuple[tuple[Ranked, float], ...]:
+    """The rows of a round that its records do not exclude, each with a probability of ``TELLABLE`` at least.
+
+    What was known beforehand may speak for one of two that predict the same; the records exclude neither.
+
+    Args:
+        ranked: of the round.
+        chances: probabilities of its rows.
     """
     if not ranked:
         return ()
-    unit, best = misfit_in_common(ranked), ranked[0].fit.chi2
-    near = 2.0 * unit * log(1.0 / TELLABLE)
-    group = [
-        r.effect
-        for r, chance in zip(ranked, chances, strict=False)
-        if chance > TELLABLE or (r.refitted and r.fit.chi2 - best < near)
-    ]
-    return (tuple(group),) if len(group) > 1 else ()
+    near = ranked[0].fit.chi2 + 2.0 * misfit_in_common(ranked) * log(1.0 / TELLABLE)
+    pairs = zip(ranked, chances, strict=False)
+    return tuple((r, max(p, TELLABLE)) for r, p in pairs if p > TELLABLE or (r.refitted and r.fit.chi2 < near))

@@ -19,7 +19,7 @@ from identification.next_experiment.odds import present_probability
 from identification.next_experiment.proposal import Proposal
 from identification.next_experiment.rivals import Rival, rivals_of
 from identification.next_experiment.words import in_vain, why
-from identification.outcome import AT_REST_ONLY, TELLABLE
+from identification.outcome import AT_REST_ONLY
 from identification.result import ErrorMap, MissingForce, Verdict
 from identification.session import Session
 
@@ -52,7 +52,7 @@ def next_experiment(
         return Proposal("the same test at a higher level, or a time record", AT_REST_ONLY)
     bench = Bench.of(model.rig, session.everything.timed)
     for ranked, chances in rounds if verdict == "missing_effect" else ():
-        rivals = rivals_of(ranked, chances, TELLABLE)
+        rivals = rivals_of(ranked, chances)
         if len(rivals) > 1:
             session.progress(
                 f"weighing tests that could tell {' from '.join(rival.effect.label() for rival in rivals)}"

@@ -8,6 +8,7 @@ import numpy as np
 from identification.evidence import Ranked, misfit_in_common
 from identification.fit import NOT_TOLD, Fit
 from identification.hypothesis import Hypothesis, Unknown, at_coordinates, coordinates
+from identification.outcome import undecided
 from models.arrays import FloatArray
 from models.effects import Effect
 
@@ -44,17 +45,15 @@ class Rival:
         return at_coordinates(self.hypothesis, self.unknowns, coordinates(self.hypothesis, self.unknowns) + along)
 
 
-def rivals_of(ranked: Sequence[Ranked], chances: Sequence[float], least: float) -> tuple[Rival, ...]:
-    """The rows of a round that its records cannot exclude, the most probable first.
+def rivals_of(ranked: Sequence[Ranked], chances: Sequence[float]) -> tuple[Rival, ...]:
+    """The rows of a round that its records do not exclude, the most probable first.
 
     Args:
         ranked: of the round.
         chances: probabilities of its rows.
-        least: probability above which a row is not excluded.
     """
     scale = misfit_in_common(ranked)
-    pairs = zip(ranked, chances, strict=False)
-    kept = sorted(((r, p) for r, p in pairs if p > least and r.refitted), key=lambda pair: -pair[1])
+    kept = sorted(((r, p) for r, p in undecided(ranked, chances) if r.refitted), key=lambda pair: -pair[1])
     return tuple(_rival(row, chance, scale) for row, chance in kept[:MOST_RIVALS])
 
 
