@@ -99,7 +99,7 @@ def concluded(
     chances = probabilities([r.log_evidence for r in first] + [_nothing(first, final)]) if first else []
     later = [(ranked, probabilities([r.log_evidence for r in ranked])) for ranked in rounds[1:] if ranked]
     weighed = [(first, chances), *later] if first else later
-    groups = tuple(group for ranked, odds in weighed for group in groups_of(ranked, odds))
+    groups = tuple(dict.fromkeys(group for ranked, odds in weighed for group in groups_of(ranked, odds)))
     session.progress("locating the force that the calibrated model lacks")
     beside = runs_beside(session.everything, calibrated.hypothesis)
     forces = forces_of(beside)

@@ -15,6 +15,7 @@ from identification.evaluate import carry_noise
 from identification.evidence import Ranked
 from identification.fit import Fit
 from identification.hypothesis import Hypothesis
+from identification.in_all_sleeves import fallen_apart, in_all_sleeves
 from identification.outcome import AT_REST_ONLY
 from identification.prepare import cut_to, horizons, prepare
 from identification.progress import Progress, silent
@@ -43,6 +44,7 @@ def diagnose(
     jobs: int = 2,
     registry: Registry = EFFECTS,
     most_effects: int = MOST_EFFECTS,
+    alike: bool = False,
     progress: Progress = silent,
 ) -> Diagnosis:
     """Find what a rig file lacks to explain its records.
@@ -57,7 +59,8 @@ def diagnose(
         seed: of every random choice.
         jobs: threads.
         registry: kinds of effects to consider.
-        most_effects: added at most.
+        most_effects: added at most; one in all sleeves counts once.
+        alike: whether the same may be wrong with all sleeves, so that what sits in one is tried in all of them at once.
         progress: told in words what is done and decided.
 
     Raises:
@@ -66,7 +69,8 @@ def diagnose(
     """
     began = perf_counter()
     given = Hypothesis(rig, registry=registry)
-    session = _open(given, records, seed, jobs, progress)
+    kinds = {**registry, **(in_all_sleeves(registry, rig) if alike else {})}
+    session = _open(given, kinds, records, seed, jobs, progress)
     started = with_starts(session.everything, given)
     stages = [session.stage("as given", started)]
     base = calibrate(session.fitting, started, unknowns_of(given, session.fitting))
@@ -106,6 +110,7 @@ def diagnose(
             stages.append(session.stage(f"- {chain[-1].hypothesis.effects[index].label()}", less.hypothesis))
             chain.append(less)
             del rounds[index]
+    chain[-1], rounds = fallen_apart(chain[-1], rounds)
     verdict, final, last = _ended(session, chain, rounds, stages)
     calibration = one_set_of_numbers(session, chain[0], verdict)
     found = concluded(session, given, stages, rounds, verdict, final, last, holdout, seed, began)
@@ -135,11 +140,13 @@ def _ended(
         del rounds[index]
 
 
-def _open(given: Hypothesis, records: Sequence[AnyRecord], seed: int, jobs: int, progress: Progress) -> Session:
+def _open(
+    given: Hypothesis, kinds: Registry, records: Sequence[AnyRecord], seed: int, jobs: int, progress: Progress
+) -> Session:
     progress(f"estimating the noise of {len(records)} records")
     everything = prepare(given, records, jobs, np.random.default_rng(seed))
     limits = horizons(everything, given)
-    session = Session(everything, cut_to(everything, FIT_SECONDS, limits), limits, given.registry, progress, seed)
+    session = Session(everything, cut_to(everything, FIT_SECONDS, limits), limits, kinds, progress, seed)
     for limit, target in zip(limits, everything.timed, strict=True):
         if limit.seconds < target.record.duration:
             session.decide(limit.in_words)

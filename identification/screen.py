@@ -189,10 +189,11 @@ def _trials(
     places = {kind: places_of(kind, rig, channels) if near is None else places_near(kind, rig, near) for kind in kinds}
     wanted = {place for row in places.values() for place in row}
     seen = scenes(evaluator, base.hypothesis, wanted) if wanted else {}
+    parts = [part for effect in base.hypothesis.effects for part in effect.parts()]
     trials: dict[tuple[str, Place], list[Effect]] = {}
     for kind in kinds:
         for place in places[kind]:
-            others = (effect.place for effect in base.hypothesis.effects if effect.kind == kind.kind)
+            others = (part.place for part in parts if part.kind == kind.part_kind())
             there = kind.unique and any(is_same_place(place, other, rig) for other in others)
             if row := [] if there else list(kind.trials(seen[place])):
                 trials[kind.kind, place] = row

@@ -43,7 +43,8 @@ def build_plant(rig: Rig, extra: Iterable[Effect] = (), registry: Mapping[str, t
     Raises:
         InputError: an effect or a contact law that does not fit the rig.
     """
-    effects = (*(build_effect(entry, rig, registry) for entry in rig.effects), *extra)
+    whole = (*(build_effect(entry, rig, registry) for entry in rig.effects), *extra)
+    effects = tuple(part for effect in whole for part in effect.parts())
     structure, sensors = Structure.of(rig.structure), rig.sensors
     for effect in effects:
         structure = effect.change_structure(structure)

@@ -82,21 +82,27 @@ def rig_of(hypothesis: Hypothesis) -> Rig:
     Args:
         hypothesis: one model of the history.
     """
-    rig, effects = hypothesis.updated_rig, hypothesis.effects
-    return rig.model_copy(update={"effects": (*rig.effects, *(entry_of(effect) for effect in effects))})
+    rig = hypothesis.updated_rig
+    parts = (entry_of(part) for effect in hypothesis.effects for part in effect.parts())
+    return rig.model_copy(update={"effects": (*rig.effects, *parts)})
 
 
 def identity(effect: Effect) -> Json:
-    """Kind, place and options of an effect, as the files name it; a sleeve stands for its position."""
-    place = effect.place
+    """Kind, place and options of an effect, as the files name it; a sleeve stands for its position.
+
+    What is tried in all sleeves at once has ``sleeves`` in place of ``sleeve``.
+    """
+    first, *others = effect.parts()
+    place = first.place
     where = {
-        "sleeve": place.sleeve,
+        "sleeve": None if others else place.sleeve,
+        "sleeves": [part.place.sleeve for part in (first, *others)] if others else None,
         "position": None if place.sleeve else place.position,
         "sensor": place.sensor,
         "other": place.other,
     }
-    options = {key: getattr(effect, key) for key in effect.options}
-    return {"kind": effect.kind, **{key: value for key, value in where.items() if value is not None}, **options}
+    options = {key: getattr(first, key) for key in first.options}
+    return {"kind": first.kind, **{key: value for key, value in where.items() if value is not None}, **options}
 
 
 def _added(added: AddedEffect) -> Json:

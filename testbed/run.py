@@ -33,7 +33,15 @@ class Outcome:
 
 
 def run_diagnosis(
-    inputs: Inputs, out: Path, *, seed: int, jobs: int, again: bool, command: Sequence[str], progress: Progress
+    inputs: Inputs,
+    out: Path,
+    *,
+    seed: int,
+    jobs: int,
+    again: bool,
+    command: Sequence[str],
+    progress: Progress,
+    alike: bool = False,
 ) -> Outcome:
     """Diagnose and write everything into a folder, unless it holds the same run already.
 
@@ -45,16 +53,17 @@ def run_diagnosis(
         again: repeat a run that had finished.
         command: as typed, for the history and the report.
         progress: told what is being done.
+        alike: whether the same may be wrong with all sleeves.
 
     Raises:
         InputError: records that do not fit the rig or do not tell their noise, or a folder that cannot be written.
         ArithmeticError: the given rig's motion leaves the finite numbers.
     """
-    wanted = {**inputs.digests, "seed": seed}
+    wanted = {**inputs.digests, "seed": seed, "alike": alike}
     if not again and is_finished(out, wanted):
         progress(f"{out}: this rig, these records, seed and version were diagnosed before; kept (--again repeats it)")
         return Outcome(json.loads((out / DIAGNOSIS).read_text(encoding="utf-8")), out, kept=True)
-    content = _diagnose(inputs, out, wanted, jobs=jobs, seed=seed, command=shlex.join(command), progress=progress)
+    content = _diagnose(inputs, out, wanted, jobs=jobs, command=shlex.join(command), progress=progress)
     return Outcome(content, out, kept=False)
 
 
@@ -63,7 +72,7 @@ def is_finished(out: Path, wanted: Json) -> bool:
 
     Args:
         out: folder of results.
-        wanted: digests and seed.
+        wanted: digests, seed and options.
     """
     try:
         run = json.loads((out / LAST).read_text(encoding="utf-8"))
@@ -76,13 +85,14 @@ def _digests(folder: Path) -> dict[str, str]:
     return {name: sha256(folder / name) for name in OUTPUTS}
 
 
-def _diagnose(
-    inputs: Inputs, out: Path, wanted: Json, *, jobs: int, seed: int, command: str, progress: Progress
-) -> Json:
+def _diagnose(inputs: Inputs, out: Path, wanted: Json, *, jobs: int, command: str, progress: Progress) -> Json:
     from identification.diagnose import diagnose
     from testbed.report import provenance, write_report
 
-    diagnosis = diagnose(inputs.rig, inputs.records, inputs.holdout, seed=seed, jobs=jobs, progress=progress)
+    seed, alike = wanted["seed"], wanted["alike"]
+    diagnosis = diagnose(
+        inputs.rig, inputs.records, inputs.holdout, seed=seed, jobs=jobs, alike=alike, progress=progress
+    )
     content = diagnosis_json(diagnosis)
     content["where"]["findings"] += [f for f in inputs.findings if f not in content["where"]["findings"]]
     models = [Model(stage.label, rig_of(stage.hypothesis), stage.score.nrmse) for stage in diagnosis.stages]

@@ -227,6 +227,15 @@ class Effect(ABC):
         """
         return self.valley != other.valley or any(getattr(self, key) != getattr(other, key) for key in self.options)
 
+    @classmethod
+    def part_kind(cls) -> str:
+        """Kind of the effects that act."""
+        return cls.kind
+
+    def parts(self) -> tuple["Effect", ...]:
+        """The effects that act: itself, or the members of which it is made."""
+        return (self,)
+
     def change_structure(self, structure: Structure) -> Structure:
         """The linear structure with this effect in it."""
         return structure

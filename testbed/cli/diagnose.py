@@ -18,6 +18,9 @@ Holdout = Annotated[
         show_default=False,
     ),
 ]  # fmt: skip
+Alike = Annotated[
+    bool, typer.Option("--alike", help="The same may be wrong with all sleeves: try it in all of them at once too.")
+]
 Again = Annotated[bool, typer.Option("--again", help="Repeat a run whose results are there already.")]
 
 
@@ -30,13 +33,14 @@ def diagnose(
     without: Without = None,
     seed: Seed = 0,
     jobs: Jobs = 2,
+    alike: Alike = False,
     again: Again = False,
     as_json: AsJson = False,
 ) -> None:
     """Find what the rig lacks, add it, refit, until the noise: diagnosis.json, rig.updated.toml, report.html."""
     diagnose_files(
         rig, records, holdout or [], out_folder(out, rig), without or [], seed=seed, jobs=jobs, again=again,
-        as_json=as_json,
+        as_json=as_json, alike=alike,
     )  # fmt: skip
 
 
@@ -51,6 +55,7 @@ def diagnose_files(
     jobs: int,
     again: bool,
     as_json: bool,
+    alike: bool = False,
 ) -> None:
     """Run the loop and print what it found; shared with ``demo``."""
     with progress() as tell:
@@ -61,7 +66,9 @@ def diagnose_files(
         for finding in inputs.findings:
             tell(finding)
         command = ["testbed", *sys.argv[1:]]
-        outcome = run_diagnosis(inputs, out, seed=seed, jobs=jobs, again=again, command=command, progress=tell)
+        outcome = run_diagnosis(
+            inputs, out, seed=seed, jobs=jobs, again=again, command=command, progress=tell, alike=alike
+        )
     from testbed.cli.tables import print_diagnosis, print_json, say
 
     if as_json:
@@ -69,7 +76,7 @@ def diagnose_files(
         return
     print_diagnosis(outcome.diagnosis)
     if outcome.kept:
-        say("an earlier run of the same rig, records, seed and version; --again repeats it")
+        say("an earlier run of the same rig, records, options and version; --again repeats it")
     say(f"report: {out}/report.html; updated rig: {out}/rig.updated.toml")
     if "excitation" in outcome.diagnosis["next_experiment"]:
         say(f"the next experiment as a file: {out}/next_experiment.toml")
