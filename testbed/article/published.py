@@ -3,6 +3,7 @@
 import tomllib
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from pydantic import BaseModel, ConfigDict
 
@@ -43,8 +44,38 @@ class PrintedTest(BaseModel):
     updated_csac: Eight
 
 
+class PrintedProbability(BaseModel):
+    """The article's section 4.3, four orders: shares of the frequencies.
+
+    Attributes:
+        stiffness_variation, damping_variation, clearance_variation: variation coefficients of table 6.
+        coincidence: of figure 11.
+        difference, difference_std, difference_low, difference_high: of table 7.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    stiffness_variation: Four
+    damping_variation: Four
+    clearance_variation: Four
+    coincidence: Four
+    difference: Four
+    difference_std: Four
+    difference_low: Four
+    difference_high: Four
+
+
 @cache
 def published() -> tuple[PrintedTest, ...]:
     """The six clearances, the smallest first."""
-    content = tomllib.loads(FILE.read_text(encoding="utf-8"))
-    return tuple(PrintedTest.model_validate(test) for test in content["tests"])
+    return tuple(PrintedTest.model_validate(test) for test in _content()["tests"])
+
+
+@cache
+def published_probability() -> PrintedProbability:
+    """What the article says of uncertain numbers."""
+    return PrintedProbability.model_validate(_content()["probability"])
+
+
+def _content() -> dict[str, Any]:
+    return tomllib.loads(FILE.read_text(encoding="utf-8"))

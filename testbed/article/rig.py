@@ -35,8 +35,20 @@ RAYLEIGH = (1.2, 6e-6)
 CONTACT_DAMPING = 20.0
 """Assumed: of both contacts, N s/m, constant, as the initial model has it."""
 
+TOLERANCES = {
+    "youngs_modulus": 0.01,
+    "rayleigh_damping": 0.1,
+    "sleeves.clearance": 0.02,
+    "sleeves.stiffness": 0.1,
+    "sleeves.damping": 0.3,
+}
+"""Assumed: one standard deviation of what the owner of the rig knows, as fractions."""
+
 POINTS_AT = (0.1, 0.2, *SLEEVES_AT, 0.4, 0.65, 0.82, 1.0)
 """Assumed: the eight points, as shares of the length; the article measures at both sleeves, in front and at the end."""
+
+TIP = f"P{len(POINTS_AT)}"
+"""Name of the last point."""
 
 FORCE_AT = 0.65
 """Assumed: where the shaker pushes."""
@@ -107,6 +119,7 @@ class Geometry:
                 rayleigh_damping=RAYLEIGH,
                 gravity=GRAVITY,
             ),
+            tolerances=TOLERANCES,
             sleeves=tuple(
                 Sleeve(
                     name=f"sleeve {number}",

@@ -15,7 +15,7 @@ from models.simulate import simulate
 from models.simulators import simulator
 from models.simulators.protocol import Resolution, Trial
 from testbed.article.rig import BAND as MODES_UP_TO
-from testbed.article.rig import Geometry
+from testbed.article.rig import TIP, Geometry
 
 Json = dict[str, Any]
 
@@ -24,9 +24,6 @@ AMPLITUDES = (1.0, 5.0, 20.0)
 
 THROUGH = (5.0, 14.0)
 """Hz, about the first resonance."""
-
-TIP = "P8"
-"""The sensor whose reading is shown, and held at phase resonance."""
 
 ENGINES = ("modal", "mujoco", "exudyn")
 """That step the rig in time to the steady state."""

@@ -1,15 +1,51 @@
-"""The study as far as it goes: the rig, what the clearance does at rest, and whether the tests strike both sleeves."""
+"""The whole study: the rig, its tests, three models of it, and what they are good for."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from identification.progress import Progress
-from testbed.article.published import published
+from testbed.article.campaign import Order, campaign
+from testbed.article.compared import Compared, compared
+from testbed.article.probability import probability
+from testbed.article.published import PrintedTest, published
+from testbed.article.reading import tapped_modes
 from testbed.article.rig import CALIBRATED_AT, Drive, Geometry, at_rest, calibrated, natural_freqs
 from testbed.article.sines_run import Json, all_sines
+from testbed.article.slews_run import all_slews
 from testbed.article.strikes import Strikes, strikes
+from testbed.article.tables import JUDGE
+from testbed.article.three_models import KEPT, Search, ThreeModels, three_models
+from testbed.article.uncertain import SAMPLES
 
 DRIVES: tuple[Drive, ...] = ("table", "force")
+
+
+@dataclass(frozen=True)
+class Extent:
+    """How much of the study is done.
+
+    Attributes:
+        clearances: m.
+        judges: engines that carry out the table test; the force test is by the first.
+        search: what the diagnosis may look for.
+        samples: of every condition of the probabilistic study.
+    """
+
+    clearances: tuple[float, ...]
+    judges: tuple[str, ...]
+    search: Search
+    samples: int
+
+
+def whole_extent() -> Extent:
+    """All of it."""
+    return Extent(tuple(test.clearance for test in published()), (JUDGE, "exudyn"), Search(), SAMPLES)
+
+
+def quick_extent() -> Extent:
+    """At the clearance of calibration, by one engine, and with one effect to be found among grease and friction."""
+    return Extent((CALIBRATED_AT,), (JUDGE,), Search(1, ("squeeze_film", "coulomb_friction")), SAMPLES // 10)
 
 
 @dataclass(frozen=True)
@@ -34,44 +70,101 @@ class AtRest:
         return tuple(ours / theirs - 1.0 for ours, theirs in zip(self.natural_freqs, self.measured_freqs, strict=True))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ArticleStudy:
     """Results.
 
     Attributes:
+        extent: what was asked for.
         geometry: calibrated.
         rests: one a clearance.
         tests: one a clearance and drive.
         sines: one a clearance, as ``sines_run.all_sines`` gives them.
+        models: by clearance, m.
+        compared: one a clearance.
+        probability: at the clearance of calibration.
+        slews: one a clearance.
     """
 
+    extent: Extent
     geometry: Geometry
     rests: tuple[AtRest, ...]
     tests: tuple[Strikes, ...]
     sines: tuple[Json, ...]
+    models: Mapping[float, ThreeModels]
+    compared: tuple[Compared, ...]
+    probability: Json
+    slews: tuple[Json, ...]
+
+    @property
+    def printed(self) -> tuple[PrintedTest, ...]:
+        """The article's tests at these clearances."""
+        return tuple(test for test in published() if test.clearance in self.extent.clearances)
 
 
-def article_study(out: Path, progress: Progress, *, quick: bool = False) -> ArticleStudy:
-    """Calibrate the rig, let it rest at the six clearances, strike its sleeves, and drive it by sines.
+def article_study(out: Path, progress: Progress, extent: Extent, jobs: int) -> ArticleStudy:
+    """Calibrate the rig, test it on the virtual bench, make three models of it and judge them, then use them.
 
     Args:
         out: folder of the results, where long tests are kept as they are done.
         progress: told what is being done.
-        quick: at the clearance of calibration alone.
+        extent: how much of it.
+        jobs: processes and threads.
 
     Raises:
-        DivergenceError: the motion left the finite numbers.
+        DivergenceError: a motion left the finite numbers.
+        InputError: a package of the probabilistic study is not installed.
     """
     progress("calibrating the assumed geometry to the frequencies at 0.5 mm")
-    geometry = calibrated()
-    tests = [test for test in published() if not quick or test.clearance == CALIBRATED_AT]
-    clearances = [test.clearance for test in tests]
+    geometry, clearances = calibrated(), extent.clearances
+    printed = {test.clearance: test for test in published()}
+    forced = {clearance: Order(clearance, "force", extent.judges[0]) for clearance in clearances}
+    tables = {clearance: [Order(clearance, "table", engine) for engine in extent.judges] for clearance in clearances}
+    orders = [*forced.values(), *(order for row in tables.values() for order in row)]
+    tests = campaign(geometry, orders, out, jobs, progress)
+    models: dict[float, ThreeModels] = {}
+    for clearance in sorted(clearances, key=lambda value: value != CALIBRATED_AT):
+        progress(f"three models at {1e3 * clearance:g} mm")
+        found = models[CALIBRATED_AT].found if models else None
+        models[clearance] = three_models(
+            geometry.rig(clearance, "force"),
+            tests[forced[clearance]],
+            found,
+            extent.search,
+            out / KEPT / f"{1e3 * clearance:g}-mm",
+            jobs,
+            progress,
+        )
+    models = {clearance: models[clearance] for clearance in clearances}
+    progress("judging the models by the table tests")
+    judged = tuple(
+        compared(geometry, clearance, models[clearance], {order.engine: tests[order] for order in tables[clearance]})
+        for clearance in clearances
+    )
+    middle = next(found for found in judged if found.clearance == CALIBRATED_AT)
+    given = geometry.rig(CALIBRATED_AT, "force")
+    odds = probability(
+        given,
+        models[CALIBRATED_AT],
+        tapped_modes(tests[forced[CALIBRATED_AT]].taps, given),
+        middle.seen[JUDGE],
+        out,
+        jobs,
+        progress,
+        extent.samples,
+    )
+    slews = tuple(all_slews(geometry, models, extent.judges, out, jobs, progress))
     progress(f"striking the sleeves in {len(clearances) * len(DRIVES)} tests")
     return ArticleStudy(
+        extent,
         geometry,
-        tuple(_rest(geometry, test.clearance, test.measured_freqs) for test in tests),
+        tuple(_rest(geometry, clearance, printed[clearance].measured_freqs) for clearance in clearances),
         tuple(strikes(geometry, clearance, drive) for drive in DRIVES for clearance in clearances),
         tuple(all_sines(geometry, clearances, out, progress)),
+        models,
+        judged,
+        odds,
+        slews,
     )
 
 

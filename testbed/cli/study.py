@@ -126,15 +126,17 @@ def bolted_beam(folder: DataFolder, *, out: Out = None, jobs: Jobs = 2, as_json:
 def article(
     *,
     out: Out = None,
-    quick: Annotated[bool, typer.Option("--quick", help="At one clearance, in a minute.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="At one clearance, in two or three minutes.")] = False,
+    jobs: Jobs = 2,
     as_json: AsJson = False,
 ) -> None:
-    """The rig of the article's case study: an assumed geometry, six clearances at rest, in motion and under sines."""
+    """The article's case study as a virtual experiment: tests, three models, probability, sines and control."""
     folder = out_folder(out, Path("article"))
     with progress() as tell:
         from testbed.article.run import run_article
 
-        content = run_article(folder, command=["testbed", *sys.argv[1:]], progress=tell, quick=quick)
+        command = ["testbed", *sys.argv[1:]]
+        content = run_article(folder, command=command, progress=tell, jobs=jobs, quick=quick)
     from testbed.cli.tables import print_json, print_table, say
 
     if as_json:

@@ -1,0 +1,129 @@
+"""All tests of the bench, each kept when it is done: a run that was stopped goes on where it was."""
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import as_completed
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from identification.progress import Progress
+from models.effects import entry_of
+from models.errors import InputError
+from models.record import Record
+from testbed.article.bench import STRUCK, TAPS, BenchTest, bench_test, struck_by, taps_of
+from testbed.article.rig import Drive, Geometry
+from testbed.article.truth import truth_of
+from testbed.outputs import json_text, keep_json
+from testbed.records.read import read_record
+from testbed.records.write import write_record
+from testbed.simulate_run import processes
+
+Json = dict[str, Any]
+
+KEPT = "records"
+"""Folder of the records; they are made again where they are missing, and are no part of the results."""
+
+
+@dataclass(frozen=True)
+class Order:
+    """One test.
+
+    Attributes:
+        clearance: of both sleeves, m.
+        drive: which test.
+        engine: that moves the rig.
+    """
+
+    clearance: float
+    drive: Drive
+    engine: str
+
+    @property
+    def name(self) -> str:
+        """Of its folder."""
+        return f"{1e3 * self.clearance:g}-mm-{self.drive}-{self.engine}"
+
+
+def campaign(
+    geometry: Geometry, orders: Sequence[Order], out: Path, jobs: int, progress: Progress
+) -> Mapping[Order, BenchTest]:
+    """Carry out the tests that are not there yet, and read all.
+
+    Args:
+        geometry: of the rig.
+        orders: what is to be tested.
+        out: folder of the results.
+        jobs: processes.
+        progress: told what is being done.
+
+    Raises:
+        DivergenceError: an engine lost the motion.
+    """
+    there = {order: _kept(geometry, order, out) for order in orders}
+    todo = [order for order, kept in there.items() if kept is None]
+    for number, order in enumerate(_done(geometry, todo, out, jobs), start=1):
+        progress(f"{order.drive} test at {1e3 * order.clearance:g} mm by {order.engine}: {number} of {len(todo)}")
+        there[order] = _kept(geometry, order, out)
+    return {order: kept for order, kept in there.items() if kept is not None}
+
+
+def _done(geometry: Geometry, todo: Sequence[Order], out: Path, jobs: int) -> Iterator[Order]:
+    """Each order when its test is done; in this process where there is one alone."""
+    if jobs == 1 or len(todo) < 2:
+        for order in todo:
+            carry_out(geometry, order, out)
+            yield order
+        return
+    with processes(min(jobs, len(todo))) as pool:
+        running = {pool.submit(carry_out, geometry, order, out): order for order in todo}
+        for future in as_completed(running):
+            future.result()
+            yield running[future]
+
+
+def carry_out(geometry: Geometry, order: Order, out: Path) -> None:
+    """Carry out one test and keep it.
+
+    Args:
+        geometry: of the rig.
+        order: the test.
+        out: folder of the results.
+
+    Raises:
+        DivergenceError: the engine lost the motion.
+    """
+    test = bench_test(geometry, order.clearance, order.drive, order.engine)
+    folder, rig = out / KEPT / order.name, geometry.rig(order.clearance, order.drive)
+    folder.mkdir(parents=True, exist_ok=True)
+    for record in (test.taps, test.struck):
+        write_record(record, rig, folder / f"{record.name}.npz")
+    keep_json(folder / "test.json", {"made_of": _made_of(geometry, order), "noise": test.noise})
+
+
+def _kept(geometry: Geometry, order: Order, out: Path) -> BenchTest | None:
+    """A test that was kept, made of the same things."""
+    folder = out / KEPT / order.name
+    try:
+        content: Json = json.loads((folder / "test.json").read_text(encoding="utf-8"))
+        if content["made_of"] != json.loads(json_text(_made_of(geometry, order))):
+            return None
+        rig = geometry.rig(order.clearance, order.drive)
+        taps, struck = (read_record(folder / f"{name}.npz", rig) for name in (TAPS, STRUCK))
+    except (OSError, ValueError, KeyError, InputError):
+        return None
+    assert isinstance(taps, Record)
+    assert isinstance(struck, Record)
+    return BenchTest(taps, struck, content["noise"])
+
+
+def _made_of(geometry: Geometry, order: Order) -> Json:
+    """All that a test depends on."""
+    truth, struck = truth_of(geometry, order.clearance, order.drive, order.engine), struck_by(order.drive)
+    return {
+        "rig": truth.built.model_dump(exclude_none=True),
+        "hidden": [entry_of(effect).model_dump(exclude_none=True) for effect in truth.hidden],
+        "noise": vars(truth.noise),
+        "taps": vars(taps_of(geometry, order.drive)),
+        "struck": [len(struck), float(abs(struck).max()), float(struck[1])],
+    }

@@ -1,0 +1,144 @@
+"""Tables 6 and 7 of the article, what stands beside them, and the slews, in Markdown."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from testbed.article.published import published_probability
+from testbed.article.uncertain import ACCEPTABLE, BURNT, CONDITIONS, STEPS, WALKERS
+
+Json = dict[str, Any]
+
+MILLI = 1e3
+
+
+def condition_table(found: Json) -> Iterator[str]:
+    """Table 6: mean, standard deviation and variation coefficient of four frequencies, with 95 % intervals.
+
+    Args:
+        found: as ``probability`` gives it.
+    """
+    theirs = published_probability()
+    yield f"{found['samples']} rigs a condition; +- is half the 95 % interval of the estimate."
+    yield ""
+    yield "| random | | f1 [Hz] | f2 | f3 | f4 |"
+    yield "|---|---|---|---|---|---|"
+    for what, share in CONDITIONS.items():
+        row = found["conditions"][what]
+        for head, key, within in (("mean", "mean", "mean_within"), ("standard deviation", "std", "std_within")):
+            pairs = zip(row[key], row[within], strict=True)
+            cells = " | ".join(f"{value:.4f} +- {half:.4f}" for value, half in pairs)
+            yield f"| {what}, {share:.0%} | {head} | {cells} |"
+        yield f"| | variation | {' | '.join(f'{value:.3%}' for value in row['variation'])} |"
+        printed = getattr(theirs, f"{what}_variation")
+        yield f"| | article's variation | {' | '.join(f'{value:.2%}' for value in printed)} |"
+
+
+def posterior_table(found: Json) -> Iterator[str]:
+    """The posterior of the updated numbers, and what it says of the frequencies.
+
+    Args:
+        found: as ``probability`` gives it.
+    """
+    row = found["posterior"]
+    yield "| number | posterior mean | standard deviation | assumed |"
+    yield "|---|---|---|---|"
+    for what, unit in (("stiffness", "N/m"), ("damping", "N s/m")):
+        for sleeve, (mean, std) in enumerate(zip(*row[what], strict=True), start=1):
+            numbers = f"{mean:.5g} | {std:.2g} ({std / mean:.1%}) | {CONDITIONS[what]:.0%}"
+            yield f"| {what} of sleeve {sleeve} [{unit}] | {numbers} |"
+    mean, std = row["modulus"]
+    yield f"| Young's modulus over the given one | {mean:.5f} | {std:.2g} ({std / mean:.2%}) | not varied |"
+    yield ""
+    forgets = max(row["steps_to_forget"])
+    kept = f"{STEPS - BURNT} of each of its {WALKERS} walkers were kept"
+    yield f"The sampler forgets a number in {forgets:.0f} steps at most; {kept}."
+
+
+def difference_table(found: Json) -> Iterator[str]:
+    """Table 7: computed against measured frequency, with Student's interval over the taps.
+
+    Args:
+        found: as ``probability`` gives it.
+    """
+    row, theirs = found["difference"], published_probability()
+    yield (
+        "| order | test [Hz] | computed [Hz] | mean difference | standard deviation | 95 % interval of the mean "
+        f"| within +-{ACCEPTABLE:g} | coincidence | article: difference | standard deviation | interval | coincidence |"
+    )
+    yield "|" + "---|" * 12
+    for order in range(4):
+        low, high = row["interval"][order]
+        cells = [
+            str(order + 1),
+            f"{row['measured'][order]:.3f}",
+            f"{row['computed'][order]:.3f}",
+            f"{row['mean'][order]:+.5f}",
+            f"{row['std'][order]:.5f}",
+            f"({low:+.5f}, {high:+.5f})",
+            f"{row['inside'][order]:.2%}",
+            f"{found['coincidence']['posterior'][order]:.3f} ({found['coincidence']['assumed'][order]:.3f} assumed)",
+            f"{theirs.difference[order]:+.4f}",
+            f"{theirs.difference_std[order]:.4f}",
+            f"({theirs.difference_low[order]:+.4f}, {theirs.difference_high[order]:+.4f})",
+            f"{theirs.coincidence[order]:.4f}",
+        ]
+        yield f"| {' | '.join(cells)} |"
+
+
+def without_uncertainty(found: Json) -> Iterator[str]:
+    """What one number without an interval leaves unsaid.
+
+    Args:
+        found: as ``probability`` gives it.
+    """
+    row = found["intervals"]
+    heads = "posterior, 95 % | holds the test | assumed, 95 % | holds"
+    yield f"| order | test [Hz] | a model without uncertainty | off by | {heads} |"
+    yield "|" + "---|" * 8
+    for order in range(4):
+        test, alone = row["test"][order], row["alone"][order]
+        cells = [str(order + 1), f"{test:.3f}", f"{alone:.3f}", f"{alone / test - 1.0:+.3%}"]
+        for key in ("posterior", "assumed"):
+            low, high = row[key][order]
+            cells += [f"{low:.3f} to {high:.3f}", "yes" if low <= test <= high else "no"]
+        yield f"| {' | '.join(cells)} |"
+    emulator = found["emulator"]
+    low, high = emulator["interval"]
+    yield ""
+    yield (
+        f"Of the struck response a model without uncertainty says {emulator['alone']:.2f} m/s^2 rms at the tip. With "
+        f"the assumed scatter it is {emulator['mean']:.2f} in the mean, within {low:.2f} and {high:.2f}: contacts that "
+        f"open and close make it no linear function of their numbers, so the response at the means is not the mean "
+        f"response. The test reads {emulator['measured']:.2f}."
+    )
+
+
+def emulator_words(found: Json) -> Iterator[str]:
+    """How good the emulator is.
+
+    Args:
+        found: as ``probability`` gives it.
+    """
+    emulator = found["emulator"]
+    yield (
+        f"Shares of the variance by Sobol's method, of the frequencies from the model itself, of the struck response "
+        f"from a Gaussian process. At {len(emulator['simulated'])} points that it has not seen the process is off by "
+        f"{emulator['error']:.1%} of the response's standard deviation, and its 95 % intervals hold "
+        f"{emulator['covered']:.0%} of the simulations."
+    )
+
+
+def slew_table(rows: Sequence[Json]) -> Iterator[str]:
+    """The tip's error with every course, in every simulator.
+
+    Args:
+        rows: one a clearance.
+    """
+    names = list(rows[0]["courses"])
+    yield "Rms of the tip's error from the begin of the slew to half a second after its end, in um.\n"
+    yield f"| clearance [mm] | simulator | {' | '.join(names)} |"
+    yield "|" + "---|" * (2 + len(names))
+    for row in rows:
+        for engine in next(iter(row["courses"].values())):
+            cells = " | ".join(f"{1e6 * row['courses'][name][engine]['rms']:.3g}" for name in names)
+            yield f"| {MILLI * row['clearance']:g} | {engine} | {cells} |"
