@@ -1,6 +1,6 @@
 """What is added, what is taken out again, and what the end is called."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from identification.calibrate import strained
@@ -15,7 +15,6 @@ from identification.evidence import (
 )
 from identification.fit import Fit, fit
 from identification.hypothesis import effect_unknowns
-from identification.judge import refit
 from identification.noise_left import NOISE_NEAR
 from identification.outcome import AT_REST_ONLY
 from identification.result import Verdict
@@ -128,31 +127,33 @@ def fit_without(session: Session, calibrated: Fit, found: Fit, index: int) -> Fi
 
 
 def _refined(session: Session, result: Fit) -> Fit:
-    """The last effect described in more detail as long as that tells much: a long table imitates what is not there."""
-    while True:
-        rows = [
-            Ranked(effect, result, refitted=True, log_evidence=0.0)
-            for effect in result.hypothesis.effects[-1].refined()
-        ]
-        if not rows or result.ratio <= NOISE_REACHED:
-            return result
-        base = replace(result.hypothesis, effects=result.hypothesis.effects[:-1])
-        n_shared = len([u for u in result.unknowns if getattr(u, "effect", -1) < len(base.effects)])
-        shared = replace(
-            result,
-            hypothesis=base,
-            unknowns=result.unknowns[:n_shared],
-            jacobian=result.jacobian[:n_shared],
-        )
-        fits = [refit(session.fitting, shared, row.effect, result.hypothesis.values) for row in rows]
+    """The effects described in more detail as long as that tells much: a long table imitates what is not there.
+
+    What was too coarse a table for may only show once another effect stands beside it, so all are tried.
+    """
+    while result.ratio > NOISE_REACHED:
+        finer = [row for index in range(len(result.hypothesis.effects)) for row in _finer(session, result, index)]
         now = Ranked(result.hypothesis.effects[-1], result, refitted=True, log_evidence=0.0)
-        finer = [Ranked(f.hypothesis.effects[-1], f, refitted=True, log_evidence=0.0) for f in fits if f is not None]
         best = with_evidence([now, *finer])[0]
         enough = best.fit.ratio <= NOISE_REACHED or takes_away(result, best.fit) >= LEAST_SHARE
         if best.fit is result or not enough:
             return result
         session.decide(f"{best.effect.label()} described in more detail: residual {best.fit.ratio:.2f} times the noise")
         result = best.fit
+    return result
+
+
+def _finer(session: Session, result: Fit, index: int) -> Iterator[Ranked]:
+    """The fit with one of its effects in more detail, begun where it says the same."""
+    shared = tuple(unknown for unknown in result.unknowns if getattr(unknown, "effect", -1) < 0)
+    effects = result.hypothesis.effects
+    for effect in effects[index].refined():
+        hypothesis = replace(result.hypothesis, effects=(*effects[:index], effect, *effects[index + 1 :]))
+        try:
+            found = fit(session.fitting, hypothesis, (*shared, *effect_unknowns(hypothesis)), precise=True)
+        except ArithmeticError:
+            continue
+        yield Ranked(found.hypothesis.effects[index], found, refitted=True, log_evidence=0.0)
 
 
 def verdict_of(session: Session, calibrated: Fit, final: Fit, *, searched: bool) -> Verdict:

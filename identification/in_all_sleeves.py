@@ -22,7 +22,7 @@ from models.rig import Rig
 
 @dataclass(frozen=True)
 class InAllSleeves(Effect):
-    """Members of one kind, one a sleeve; the place is the sleeve from whose motion their numbers were begun."""
+    """Members of one kind, one a sleeve; the place is the first one's."""
 
     member: ClassVar[type[Effect]]
     sleeves: ClassVar[tuple[Place, ...]]
@@ -36,9 +36,9 @@ class InAllSleeves(Effect):
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:
-        """The member's own trial values, the same in all sleeves."""
+        """The member's own trial values for the motion in one sleeve, the same in all."""
         for trial in cls.member.trials(scene):
-            yield cls(scene.place, members=tuple(replace(trial, place=place) for place in cls.sleeves))
+            yield cls(cls.sleeves[0], members=tuple(replace(trial, place=place) for place in cls.sleeves))
 
     @property
     def valley(self) -> str:

@@ -149,6 +149,9 @@ def article(
     orders = range(1, 5)
     heads = ("clearance [mm]", *(f"f{k} [Hz]" for k in orders), *(f"f{k} off" for k in orders))
     print_table(heads, rows, "natural frequencies at rest, and against the article's test")
+    for engine, bars in content["bars"].items():
+        reached = [(b["what"], b["asked"], b["reached"], "met" if b["is_met"] else "missed") for b in bars]
+        print_table(("", "asked", "reached", ""), reached, f"models against the table tests by {engine}")
     say(f"written: {folder}/README.md, article.json, rig_table.toml, rig_force.toml and figures")
 
 

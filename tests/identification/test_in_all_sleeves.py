@@ -9,6 +9,7 @@ from identification.diagnose import diagnose
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
 from identification.in_all_sleeves import InAllSleeves, fallen_apart, in_all_sleeves
+from identification.screen import promising, survey
 from models.effects import EFFECTS, Place
 from models.effects.squeeze_film import SqueezeFilm
 from models.record import Record
@@ -48,6 +49,14 @@ def test_its_numbers_are_the_members_one_after_the_other():
     )
     np.testing.assert_allclose(FILM.scaled(3.0).fitted_values(), [2.4, 5.1])
     assert len(FILM.fitted_parameters()) == 2
+
+
+def test_from_whichever_sleeve_it_is_begun_it_is_one_suspect():
+    evaluator = evaluator_of(measured(Hypothesis(REFERENCE, effects=FILMS), multisine(1024)))
+    start = fit(evaluator, Hypothesis(REFERENCE), rig_unknowns(REFERENCE), max_iterations=0)
+    kinds = {name: kind for name, kind in ALIKE.items() if kind.part_kind() == "squeeze_film"}
+    seen = promising(survey(evaluator, start, kinds, lambda _: None), 2)
+    assert [(suspect.effect.kind, suspect.effect.place) for suspect in seen] == [(FILM.kind, SLEEVES[0])]
 
 
 def test_a_table_is_refined_in_all_sleeves_at_once():
