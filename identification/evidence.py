@@ -80,9 +80,8 @@ LEAST_TOLD = 1e-6
 
 def _beforehand(result: Fit, scale: float) -> float:
     """Logarithm of what speaks for a law apart from how it fits."""
-    unknowns = (result.unknowns[i] for i in _own(result))
-    numbers = {unknown.about.symbol for unknown in unknowns if isinstance(unknown, EffectUnknown)}
-    return log_occam(result, scale) - log(SIMPLER) * len(numbers)
+    effects = result.hypothesis.effects
+    return log_occam(result, scale) - log(SIMPLER) * (effects[-1].n_numbers if effects else 0)
 
 
 SIMPLER = 20.0

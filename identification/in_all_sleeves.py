@@ -13,7 +13,7 @@ import numpy as np
 
 from identification.evidence import Ranked
 from identification.fit import Fit
-from identification.hypothesis import effect_unknowns
+from identification.hypothesis import EffectUnknown, OwnNumber, PlaceUnknown, Unknown
 from models.arrays import FloatArray
 from models.effects import Effect, Registry
 from models.effects.protocol import Parameter, Place, Scene
@@ -33,6 +33,11 @@ class InAllSleeves(Effect):
     def part_kind(cls) -> str:
         """Kind of the members."""
         return cls.member.kind
+
+    @classmethod
+    def sits_at(cls, place: Place) -> tuple[Place, ...]:  # noqa: ARG003
+        """All sleeves."""
+        return cls.sleeves
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:
@@ -71,6 +76,11 @@ class InAllSleeves(Effect):
         """Kind and place."""
         return f"{self.member.kind} in all sleeves"
 
+    @property
+    def n_numbers(self) -> int:
+        """Those of the members."""
+        return sum(member.n_numbers for member in self.members)
+
     def fitted_values(self) -> FloatArray:
         """(n,) the members' fitted parameters one after the other."""
         return np.concatenate([member.fitted_values() for member in self.members])
@@ -87,7 +97,7 @@ class InAllSleeves(Effect):
 
 
 def in_all_sleeves(registry: Registry, rig: Rig) -> Registry:
-    """The kinds that sit in a sleeve and nowhere else, each in all sleeves of a rig; none where it has one sleeve.
+    """The kinds that can sit in a sleeve, each in all sleeves of a rig; none where it has one sleeve.
 
     Args:
         registry: of kinds.
@@ -124,11 +134,27 @@ def fallen_apart(found: Fit, rounds: Sequence[list[Ranked]]) -> tuple[Fit, list[
         rounds: one an effect.
     """
     whole = found.hypothesis.effects
+    if all(len(effect.parts()) == 1 for effect in whole):
+        return found, list(rounds)
     parts = tuple(part for effect in whole for part in effect.parts())
-    hypothesis = replace(found.hypothesis, effects=parts)
-    shared = tuple(unknown for unknown in found.unknowns if getattr(unknown, "effect", -1) < 0)
     begun = [ranked for effect, ranked in zip(whole, rounds, strict=False) for _ in effect.parts()]
+    unknowns = tuple(_of_part(unknown, whole) for unknown in found.unknowns)
     return (
-        replace(found, hypothesis=hypothesis, unknowns=(*shared, *effect_unknowns(hypothesis))),
+        replace(found, hypothesis=replace(found.hypothesis, effects=parts), unknowns=unknowns),
         [*begun, *rounds[len(whole) :]],
     )
+
+
+def _of_part(unknown: Unknown, whole: Sequence[Effect]) -> Unknown:
+    """The same number, counted from the parts."""
+    if not isinstance(unknown, EffectUnknown | PlaceUnknown | OwnNumber) or unknown.effect < 0:
+        return unknown
+    part = sum(len(effect.parts()) for effect in whole[: unknown.effect])
+    if not isinstance(unknown, EffectUnknown):
+        return replace(unknown, effect=part)
+    entry = unknown.entry
+    for member in whole[unknown.effect].parts():
+        if entry < len(member.fitted_values()):
+            break
+        part, entry = part + 1, entry - len(member.fitted_values())
+    return replace(unknown, effect=part, entry=entry)

@@ -193,8 +193,9 @@ def _trials(
     trials: dict[tuple[str, Place], list[Effect]] = {}
     for kind in kinds:
         for place in places[kind]:
-            others = (part.place for part in parts if part.kind == kind.part_kind())
-            there = kind.unique and any(is_same_place(place, other, rig) for other in others)
+            others = [part.place for part in parts if part.kind == kind.part_kind()]
+            wherever = kind.sits_at(place)
+            there = kind.unique and any(is_same_place(at, other, rig) for other in others for at in wherever)
             if row := [] if there else list(kind.trials(seen[place])):
                 trials[kind.kind, place] = row
     return trials

@@ -24,15 +24,10 @@ def simpler_ones(leader: Effect, sketches: Sequence[Sketch]) -> Iterator[Effect]
     seen: set[str] = {leader.kind}
     for sketch in sketches:
         effect = sketch.effect
-        if effect.kind in seen or _numbers(effect) >= _numbers(leader) or not _can_sit(effect, leader):
+        if effect.kind in seen or effect.n_numbers >= leader.n_numbers or not _can_sit(effect, leader):
             continue
         seen.add(effect.kind)
         yield _alike(replace(effect, place=leader.place), leader)
-
-
-def _numbers(effect: Effect) -> int:
-    """How many a fit determines; a table is one."""
-    return len({name for name, _ in effect.fitted_parameters()})
 
 
 def _can_sit(effect: Effect, leader: Effect) -> bool:

@@ -228,6 +228,11 @@ class Effect(ABC):
         return self.valley != other.valley or any(getattr(self, key) != getattr(other, key) for key in self.options)
 
     @classmethod
+    def sits_at(cls, place: Place) -> tuple[Place, ...]:
+        """Where an effect of this kind acts that is tried at a place."""
+        return (place,)
+
+    @classmethod
     def part_kind(cls) -> str:
         """Kind of the effects that act."""
         return cls.kind
@@ -290,6 +295,11 @@ class Effect(ABC):
         """Kind and place, as tables show it: ``squeeze_film at sleeve 2``."""
         options = "".join(f" {key} {getattr(self, key)}" for key in self.options)
         return f"{self.kind}{options} {self.place}".strip()
+
+    @property
+    def n_numbers(self) -> int:
+        """How many a fit determines; a table is one."""
+        return len({name for name, _ in self.fitted_parameters()})
 
     def fitted_values(self) -> FloatArray:
         """(n,) the fitted parameters in a row; a vector parameter takes as many entries as it has."""

@@ -3,11 +3,14 @@
 from dataclasses import replace
 
 import pytest
-from trial_records import fit_of
+from trial_records import REFERENCE, evaluator_of, fit_of, measured, multisine
 
-from identification.acceptance import verdict_of
+from identification.acceptance import _refined, verdict_of
+from identification.fit import fit
+from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
 from models.effects import Place
 from models.effects.point_mass import PointMass
+from models.effects.time_varying_damping import TimeVaryingDamping
 
 MASS = PointMass(Place(position=0.7), mass=0.3)
 
@@ -71,3 +74,23 @@ def test_an_imitation_is_told_with_its_share():
 
     assert "leaves 1.45 times the noise" in words
     assert "takes away 71% of the misfit" in words
+
+
+def test_a_table_is_refined_beside_the_effect_that_was_found_after_it():
+    """Two knots cannot follow a damping that falls and stays; only once the mass is there does that show."""
+    place = Place(sleeve="sleeve 2", position=REFERENCE.sleeves[1].position)
+    course = TimeVaryingDamping(place, times=(0.0, 1.0, 2.0), values=(200.0, 40.0, 40.0))
+    evaluator = evaluator_of(measured(Hypothesis(REFERENCE, effects=(course, MASS)), multisine(4096, rms=2.0)))
+    coarse = replace(course, times=(0.0, 2.0), values=(170.0, 20.0))
+    start = Hypothesis(REFERENCE, effects=(coarse, MASS))
+    unknowns = (*rig_unknowns(REFERENCE), *effect_unknowns(start))
+    session = Listener()
+    session.fitting = evaluator
+    before = fit(evaluator, start, unknowns)
+    after = _refined(session, before)
+    assert before.ratio > 1.3
+    assert after.ratio < 1.05
+    table, mass = after.hypothesis.effects
+    assert table.values == pytest.approx(course.values, rel=0.1)
+    assert mass.mass == pytest.approx(MASS.mass, rel=0.02)
+    assert "time_varying_damping at sleeve 2 described in more detail" in session.decisions[0]

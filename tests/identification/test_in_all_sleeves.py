@@ -51,6 +51,28 @@ def test_its_numbers_are_the_members_one_after_the_other():
     assert len(FILM.fitted_parameters()) == 2
 
 
+def test_a_fit_without_such_an_effect_is_left_as_it_is():
+    spring = EFFECTS["point_stiffness"](Place(position=0.5), stiffness=100.0)
+    truth = Hypothesis(REFERENCE, effects=(spring,))
+    found = fit(evaluator_of(measured(truth, multisine(512))), truth, effect_unknowns(truth), max_iterations=0)
+    assert fallen_apart(found, [["of the spring"]])[0] is found
+
+
+def test_where_one_sleeve_has_it_already_it_is_not_tried_in_all():
+    base = Hypothesis(REFERENCE, effects=FILMS[1:])
+    evaluator = evaluator_of(measured(base, multisine(512)))
+    start = fit(evaluator, base, rig_unknowns(REFERENCE), max_iterations=0)
+    kinds = {name: ALIKE[name] for name in ("squeeze_film in all sleeves", "clearance in all sleeves")}
+    assert {suspect.effect.kind for suspect in survey(evaluator, start, kinds, lambda _: None)} == {
+        "clearance in all sleeves"
+    }
+
+
+def test_each_sleeve_pays_for_its_number():
+    assert [film.n_numbers for film in (*FILMS, FILM)] == [1, 1, 2]
+    assert EFFECTS["time_varying_damping"](SLEEVES[0], times=(0.0, 1.0), values=(5.0, 7.0)).n_numbers == 1
+
+
 def test_from_whichever_sleeve_it_is_begun_it_is_one_suspect():
     evaluator = evaluator_of(measured(Hypothesis(REFERENCE, effects=FILMS), multisine(1024)))
     start = fit(evaluator, Hypothesis(REFERENCE), rig_unknowns(REFERENCE), max_iterations=0)
@@ -76,6 +98,9 @@ def test_a_fit_falls_apart_into_members_that_keep_their_rounds():
     assert apart.hypothesis.effects == (spring, *FILMS)
     assert rounds == [["of the spring"], ["of the film"], ["of the film"]]
     assert [u.get(apart.hypothesis) for u in apart.unknowns] == [u.get(truth) for u in unknowns]
+    assert [u.set(apart.hypothesis, 0.3).effects[1:] for u in apart.unknowns[-2:]] == [
+        u.set(truth, 0.3).effects[1].parts() for u in unknowns[-2:]
+    ]
     again = fit(evaluator, apart.hypothesis, apart.unknowns, max_iterations=0)
     np.testing.assert_allclose(again.jacobian, found.jacobian, rtol=1e-6, atol=1e-6 * np.abs(found.jacobian).max())
 
