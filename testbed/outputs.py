@@ -5,14 +5,16 @@ import math
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from models.errors import InputError
+from testbed import __version__
 
 LAST = "run.json"
 """Moved into place after all others: whoever finds it finds a finished run."""
@@ -79,6 +81,38 @@ def keep_json(path: Path, content: Any) -> None:
     part = path.with_suffix(".part")
     part.write_text(json_text(content), encoding="utf-8")
     part.replace(path)
+
+
+def kept(path: Path, made_of: str, make: Callable[[], Mapping[str, Any]]) -> dict[str, Any]:
+    """What an earlier run kept of the same things, or else what is made now, written whole.
+
+    Args:
+        path: of the file.
+        made_of: digest of all that the result depends on (``digest_of``).
+        make: gives the result.
+    """
+    try:
+        content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        if content["made_of"] == made_of:
+            return content
+    except (OSError, ValueError, KeyError, TypeError):
+        pass
+    path.unlink(missing_ok=True)
+    keep_json(path, {"made_of": made_of, **make()})
+    found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return found
+
+
+def digest_of(*things: object) -> str:
+    """Digest of arrays, and of the ``repr`` of anything else, with the version of the program.
+
+    Args:
+        things: that a result depends on.
+    """
+    digest = sha256(__version__.encode())
+    for thing in things:
+        digest.update(thing.tobytes() if isinstance(thing, np.ndarray) else repr(thing).encode())
+    return digest.hexdigest()
 
 
 def json_text(content: Any) -> str:

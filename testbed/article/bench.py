@@ -5,6 +5,7 @@ they are judged, and nothing is learnt from these.
 """
 
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
@@ -50,6 +51,7 @@ class BenchTest:
     noise: float
 
 
+@cache
 def taps_of(geometry: Geometry, drive: Drive) -> Taps:
     """The taps, as planned from the rig files: at all clearances those that the most delicate one bears.
 

@@ -8,13 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from identification.progress import Progress
-from models.effects import entry_of
 from models.errors import InputError
 from models.record import Record
-from testbed.article.bench import STRUCK, TAPS, BenchTest, bench_test, struck_by, taps_of
+from testbed.article.bench import FS, STRUCK, TAPPED, TAPS, BenchTest, bench_test, struck_by, taps_of
 from testbed.article.rig import Drive, Geometry
 from testbed.article.truth import truth_of
-from testbed.outputs import json_text, keep_json
+from testbed.outputs import digest_of, keep_json
 from testbed.records.read import read_record
 from testbed.records.write import write_record
 from testbed.simulate_run import processes
@@ -59,13 +58,21 @@ def campaign(
 
     Raises:
         DivergenceError: an engine lost the motion.
+        InputError: a record that was written cannot be read back.
     """
     there = {order: _kept(geometry, order, out) for order in orders}
     todo = [order for order, kept in there.items() if kept is None]
     for number, order in enumerate(_done(geometry, todo, out, jobs), start=1):
         progress(f"{order.drive} test at {1e3 * order.clearance:g} mm by {order.engine}: {number} of {len(todo)}")
         there[order] = _kept(geometry, order, out)
-    return {order: kept for order, kept in there.items() if kept is not None}
+    lost = [order.name for order, test in there.items() if test is None]
+    if lost:
+        raise InputError(
+            f"{out / KEPT}: {', '.join(lost)} cannot be read back",
+            "records that were just written are there",
+            "leave the folder alone while the study runs",
+        )
+    return {order: test for order, test in there.items() if test is not None}
 
 
 def _done(geometry: Geometry, todo: Sequence[Order], out: Path, jobs: int) -> Iterator[Order]:
@@ -106,7 +113,7 @@ def _kept(geometry: Geometry, order: Order, out: Path) -> BenchTest | None:
     folder = out / KEPT / order.name
     try:
         content: Json = json.loads((folder / "test.json").read_text(encoding="utf-8"))
-        if content["made_of"] != json.loads(json_text(_made_of(geometry, order))):
+        if content["made_of"] != _made_of(geometry, order):
             return None
         rig = geometry.rig(order.clearance, order.drive)
         taps, struck = (read_record(folder / f"{name}.npz", rig) for name in (TAPS, STRUCK))
@@ -117,13 +124,7 @@ def _kept(geometry: Geometry, order: Order, out: Path) -> BenchTest | None:
     return BenchTest(taps, struck, content["noise"])
 
 
-def _made_of(geometry: Geometry, order: Order) -> Json:
-    """All that a test depends on."""
-    truth, struck = truth_of(geometry, order.clearance, order.drive, order.engine), struck_by(order.drive)
-    return {
-        "rig": truth.built.model_dump(exclude_none=True),
-        "hidden": [entry_of(effect).model_dump(exclude_none=True) for effect in truth.hidden],
-        "noise": vars(truth.noise),
-        "taps": vars(taps_of(geometry, order.drive)),
-        "struck": [len(struck), float(abs(struck).max()), float(struck[1])],
-    }
+def _made_of(geometry: Geometry, order: Order) -> str:
+    """Digest of all that a test depends on."""
+    truth = truth_of(geometry, order.clearance, order.drive, order.engine)
+    return digest_of(truth, taps_of(geometry, order.drive), TAPPED, FS, struck_by(order.drive))

@@ -17,14 +17,14 @@ from models.plant import build_plant
 from models.record import Record
 from models.rig import Rig
 from models.simulate import simulate
-from testbed.article.small_motion import Draws, SmallMotion
-from testbed.article.uncertain import CONDITIONS, SAMPLES, SEED
+from testbed.article.small_motion import SmallMotion
+from testbed.article.uncertain import CONDITIONS, SAMPLES, SEED, draws_at
 
-TRAINED_ON, CHECKED_ON = 192, 64
-"""Points of the design, and others at which the emulator is held against the simulation."""
+TRAINED_ON, CHECKED_ON = 256, 64
+"""Points of two space-filling designs: to learn from, and to hold the emulator against the simulation."""
 
 BASE = 1024
-"""Of Sobol's design: (2 D + 2) times as many are evaluated."""
+"""Of Sobol's design: D + 2 times as many are evaluated."""
 
 RESTARTS = 3
 """Of the search for the kernel's lengths."""
@@ -40,9 +40,10 @@ class Emulated:
         simulated, predicted, stds: (n_checked,) tip's rms, m/s^2, at points not seen, and the emulator's own doubt.
         error: rms of their difference over the standard deviation of the simulated ones.
         covered: share of the simulated within the emulator's 95 % interval.
-        samples: (N,) of the response with everything random.
+        samples: (N,) of the response with everything random, the emulator's doubt included.
         alone: response at the means, m/s^2: what a model without uncertainty says.
-        shares, totals: (6,) first-order and total shares of the variance, with half their 95 % intervals.
+        shares, totals: (6,) first-order and total shares of the emulator's variance, with half their 95 %
+            intervals.
     """
 
     simulated: FloatArray
@@ -72,24 +73,6 @@ class Shares:
     total_within: FloatArray
 
 
-def draws_at(rig: Rig, points: FloatArray) -> Draws:
-    """The rigs of (N, 6) standard normal numbers, two a kind in the order of ``CONDITIONS``.
-
-    Args:
-        rig: with the means.
-        points: in standard deviations.
-    """
-    means = Draws.of(rig, len(points))
-    spread = np.repeat([CONDITIONS[what] for what in CONDITIONS], 2)
-    factors = np.maximum(1.0 + spread * points, 0.05)
-    return Draws(
-        means.stiffness * factors[:, :2],
-        means.damping * factors[:, 2:4],
-        means.clearance * factors[:, 4:],
-        means.modulus,
-    )
-
-
 def frequency_shares(motion: SmallMotion, rig: Rig) -> Shares:
     """Shares of the variance of the natural frequencies, by Sobol's method on the model itself.
 
@@ -117,8 +100,10 @@ def emulated(rig: Rig, record: Record, tip: str, jobs: int) -> Emulated:
     from sklearn.gaussian_process import GaussianProcessRegressor
     from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
 
-    design = norm.ppf(qmc.Sobol(6, rng=np.random.default_rng([SEED, 3])).random(512)[1:])
-    train, check = design[:TRAINED_ON], design[TRAINED_ON : TRAINED_ON + CHECKED_ON]
+    train, check = (
+        norm.ppf(qmc.Sobol(6, rng=np.random.default_rng([SEED, 3, part])).random(count))
+        for part, count in enumerate((TRAINED_ON, CHECKED_ON))
+    )
     answers = partial(_answers, rig, record, tip, jobs)
     known, simulated = answers(train), answers(check)
     scale, middle = known.std(), known.mean()
@@ -127,7 +112,9 @@ def emulated(rig: Rig, record: Record, tip: str, jobs: int) -> Emulated:
     process.fit(train, (known - middle) / scale)
     predicted, stds = process.predict(check, return_std=True)
     predicted, stds = middle + scale * predicted, scale * stds
-    points = np.random.default_rng([SEED, 4]).standard_normal((SAMPLES, 6))
+    rng = np.random.default_rng([SEED, 4])
+    answered, doubts = process.predict(rng.standard_normal((SAMPLES, 6)), return_std=True)
+    samples = middle + scale * (answered + doubts * rng.standard_normal(SAMPLES))
     found = _analysed(middle + scale * process.predict(_sobol_points()))
     return Emulated(
         simulated,
@@ -135,7 +122,7 @@ def emulated(rig: Rig, record: Record, tip: str, jobs: int) -> Emulated:
         stds,
         float(np.sqrt(np.mean((predicted - simulated) ** 2)) / simulated.std()),
         float(np.mean(np.abs(predicted - simulated) < norm.ppf(0.975) * stds)),
-        np.asarray(middle + scale * process.predict(points)),
+        np.asarray(samples),
         float(answers(np.zeros((1, 6)))[0]),
         *(found[key] for key in ("S1", "S1_conf", "ST", "ST_conf")),
     )

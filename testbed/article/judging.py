@@ -13,6 +13,9 @@ from models.simulate import simulate
 from testbed.article.bench import BenchTest
 from testbed.article.reading import Frfs, TappedModes, frfs_of, tapped_modes
 
+FOURTH = (170.0, 200.0)
+"""Hz, about the fourth mode."""
+
 FRF_UP_TO = 200.0
 """Hz, to which the article's figures and errors reach: a little above the fourth mode."""
 
@@ -44,6 +47,7 @@ class Judged:
         mac: (4,).
         damping_ratios: (4,) means over the test.
         mre, rmse, frac, csf, csac: (n_sensors,) of the FRF; rmse in the FRF's unit.
+        mre_fourth: mean over the sensors of the relative error of the FRF in ``FOURTH``.
         nrmse: of the time histories of the multisine.
         frfs: of the model.
         csac_over, csf_over: (n_lines,) over all points, by frequency.
@@ -58,6 +62,7 @@ class Judged:
     frac: FloatArray
     csf: FloatArray
     csac: FloatArray
+    mre_fourth: float
     nrmse: float
     frfs: Frfs
     csac_over: FloatArray
@@ -90,6 +95,7 @@ def judged(plant: Plant, seen: Measured) -> Judged:
     taps, struck = (_predicted(plant, record) for record in (seen.test.taps, seen.test.struck))
     modes, frfs = tapped_modes(taps, seen.rig), _seen(frfs_of(seen.test.struck, struck.responses))
     pair = frfs.h1, seen.frfs.h1
+    fourth = (frfs.frequency >= FOURTH[0]) & (frfs.frequency <= FOURTH[1])
     return Judged(
         natural_freqs=modes.mean_freqs,
         freq_errors=modes.mean_freqs / seen.modes.mean_freqs - 1.0,
@@ -100,6 +106,7 @@ def judged(plant: Plant, seen: Measured) -> Judged:
         frac=frac(*pair),
         csf=channel_csf(*pair),
         csac=channel_csac(*pair),
+        mre_fourth=float(mre(frfs.h1[:, fourth], seen.frfs.h1[:, fourth]).mean()),
         nrmse=nrmse(struck.responses, seen.test.struck.responses),
         frfs=frfs,
         csac_over=csac(*pair),

@@ -8,6 +8,7 @@ from models.effects import entry_of
 from models.rig import EffectEntry
 from testbed.article.bars import bars_of
 from testbed.article.compared import rows_of
+from testbed.article.judging import FOURTH
 from testbed.article.rig import CALIBRATED_AT, CLAMP_GROUP, DENSITY, DIAMETER, SLEEVES_AT, YOUNGS_MODULUS
 from testbed.article.sines import ENGINES
 from testbed.article.strikes import EXCITED, LEVELS
@@ -36,9 +37,10 @@ MILLI = 1e3
 
 WHAT = """\
 The article (Actuators 14 (2025) 58) measured a cantilever that rests in two sleeves at six clearances. Its data are not
-public, so its study is built again as a virtual experiment: MuJoCo and Exudyn are the test bench, the reduced modal
-model is the model. Every table and figure of the article has its counterpart here, the article's values beside ours.
-They are not the same rig and not the same grease, so sizes cannot be compared; how far each model gets can.
+public, so its study is built again as a virtual experiment, here at {clearances} of its clearances: {engines} stand for
+the test bench, the reduced modal model is the model. Tables and figures of the article have their counterparts here,
+the article's values beside ours. They are not the same rig and not the same grease, so sizes cannot be compared; how
+far each model gets can.
 """
 
 WHY = """\
@@ -89,10 +91,10 @@ judges them and teaches nothing.
 
 MODELS_ARE = """\
 - **initial**: the rig as its owner describes it, Kelvin-Voigt contacts with constant damping.
-- **updated**: contact stiffnesses from the frequencies and c(t) of each closed sleeve from the damping ratios that the
-  identifier reads after every soft tap.
-- **diagnosed**: what the loop adds by itself to the initial model, told nothing but that sleeves may be alike. It
-  looks at 0.5 mm; what it finds there is fitted anew to the force test of every other clearance.
+- **updated**: Young's modulus and contact stiffnesses from the frequencies, and c(t) of each closed sleeve from the
+  damping ratios that the identifier reads after every soft tap.
+- **diagnosed**: what the loop adds by itself to the initial model, told that sleeves may be alike and {told}. It looks
+  at 0.5 mm; what it finds there is fitted anew to the force test of every other clearance.
 """
 
 SEEN_ALIKE = """\
@@ -101,22 +103,24 @@ periods of the multisine, up to 200 Hz. CSAC and CSF per point are over a slidin
 eight points at each frequency. RMSE is of the complex difference, in (m/s^2)/(m/s^2); the article's unit is not told.
 """
 
-FOURTH = """\
-The article leaves open how much of its fourth order's error is identification's. Here the updated model is made a
-second time by an identifier without error: true stiffnesses, and the dampings that small motion really has. What then
-remains is the model's own: film and friction act between the walls, where no contact damping does. The perfect model
-has all that is hidden; what it leaves is noise and the engines' difference.
+FOURTH_ORDER = f"""\
+The article leaves open how much of its fourth order's error is identification's. Here the updated model is made again
+by an identifier without error: true stiffnesses and the dampings that small motion really has, on the rig as given;
+then with all other numbers of the rig true as well; and the perfect model has all that is hidden. Errors are
+relative, of the FRF between {FOURTH[0]:g} and {FOURTH[1]:g} Hz, mean of the points.
 """
 
 PROBABLE = """\
 Natural frequencies at 0.5 mm. In each condition both sleeves' stiffness, damping or clearance are normal about the
-updated model's numbers. A clearance moves no frequency as long as both sleeves carry the rod; where a wide one lets
-the first sleeve go, all jump, which is why its distribution has a tail.
+updated model's numbers. A clearance moves no frequency as long as both sleeves carry the rod; where a wide one lets the
+first sleeve go, all jump, which is why its distribution has a tail.
 """
 
 BEYOND = """\
-The assumed distributions are as wide as the owner's tolerances. The posterior is what the taps leave of them, sampled
-by an affine-invariant ensemble: it is narrower, tilted (a stiffer contact with a softer rod), and centred elsewhere.
+The assumed distributions are the article's kind: normals, whatever the tests say. The posterior is what the taps leave
+of the owner's tolerances: stiffness, modulus and a factor on each identified course of damping, together with the
+model's own error, which is not told beforehand. Each tap of the table test is then held against the model at that tap's
+own time.
 """
 
 SLEWS = """\
@@ -185,7 +189,7 @@ def page_of(study: ArticleStudy, content: Json, command: str) -> str:
         "",
         f"Made by `{command}`.",
         "",
-        WHAT,
+        WHAT.format(engines=" and ".join(study.extent.judges), clearances=len(study.extent.clearances)),
         "## The rig",
         "",
         *_geometry(study),
@@ -217,7 +221,7 @@ def page_of(study: ArticleStudy, content: Json, command: str) -> str:
         TRUTH,
         "## Three models",
         "",
-        MODELS_ARE,
+        MODELS_ARE.format(told=study.extent.search.in_words),
         "![Identified damping of the sleeves](figures/damping.png)",
         "",
         *_found(study),
@@ -258,7 +262,7 @@ def page_of(study: ArticleStudy, content: Json, command: str) -> str:
         ),
         "### The fourth order: identification's share and the model's",
         "",
-        FOURTH,
+        FOURTH_ORDER,
         *fourth_order(rows),
         "",
         "## Probability",

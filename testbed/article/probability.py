@@ -1,7 +1,5 @@
 """Section 4.3 of the article and beyond it: what uncertain numbers do to frequencies and to the struck response."""
 
-import json
-from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -11,23 +9,30 @@ from scipy.stats import gaussian_kde
 from identification.progress import Progress
 from models.arrays import FloatArray
 from models.rig import Rig
-from testbed.article.emulated import NAMES, emulated, frequency_shares
+from testbed.article.emulated import BASE, CHECKED_ON, NAMES, TRAINED_ON, emulated, frequency_shares
 from testbed.article.judging import Measured
 from testbed.article.reading import TappedModes
 from testbed.article.rig import TIP
 from testbed.article.small_motion import Draws, SmallMotion
 from testbed.article.three_models import UPDATED, ThreeModels
 from testbed.article.uncertain import (
+    BURNT,
     CONDITIONS,
     CONFIDENCE,
+    EVERY,
+    LOG_COURSE,
+    MISFITS,
+    NUMBERS,
     SAMPLES,
+    STEPS,
+    WALKERS,
     Statistics,
     coincidence,
     condition,
     difference,
     posterior,
 )
-from testbed.outputs import json_text, keep_json
+from testbed.outputs import digest_of, kept
 
 Json = dict[str, Any]
 
@@ -63,56 +68,80 @@ def probability(
         DivergenceError: a rig's motion left the finite numbers.
     """
     rig = with_mean_damping(three.rigs[UPDATED])
-    path, made_of = out / KEPT, _made_of(rig, taps, seen, samples)
-    if not path.is_file() or json.loads(path.read_text(encoding="utf-8")).get("made_of") != made_of:
-        progress(f"probability: {samples} rigs in each of {len(CONDITIONS)} conditions")
-        motion = SmallMotion.of(rig)
-        freqs = {what: condition(motion, rig, what, samples) for what in CONDITIONS}
-        shares = frequency_shares(motion, rig)
-        progress("probability: the posterior of what the taps say")
-        nominal = SmallMotion.of(given)
-        found = posterior(nominal, given, taps, samples)
-        computed = nominal.natural_freqs(found.draws)
-        progress("probability: emulating the struck response, and checking the emulator")
-        driven = rig.model_copy(update={"excitation": seen.rig.excitation})
-        answer = emulated(driven, seen.test.struck, TIP, jobs)
-        measured = float(np.std(seen.test.struck.responses[seen.test.struck.sensors.index(TIP)]))
-        tests = seen.modes.natural_freqs
-        assumed = np.concatenate(list(freqs.values()))
-        content = {
-            "samples": samples,
-            "conditions": {what: _statistics(found_freqs) for what, found_freqs in freqs.items()},
-            "posterior": {
-                **_statistics(computed),
-                "stiffness": [found.draws.stiffness.mean(axis=0), found.draws.stiffness.std(axis=0)],
-                "damping": [found.draws.damping.mean(axis=0), found.draws.damping.std(axis=0)],
-                "modulus": [found.draws.modulus.mean(), found.draws.modulus.std()],
-                "steps_to_forget": found.autocorrelation,
-            },
-            "coincidence": {
-                "posterior": [coincidence(computed[:, order], tests[:, order]) for order in range(4)],
-                "assumed": [coincidence(assumed[:, order], tests[:, order]) for order in range(4)],
-            },
-            "difference": vars(difference(computed, tests)),
-            "intervals": {
-                "test": tests.mean(axis=0),
-                "alone": motion.natural_freqs(Draws.of(rig, 1))[0],
-                "posterior": np.quantile(computed, [0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE], axis=0).T,
-                "assumed": np.quantile(assumed, [0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE], axis=0).T,
-            },
-            "shares": {"names": NAMES, **vars(shares)},
-            "emulator": {
-                **{key: value for key, value in vars(answer).items() if key != "samples"},
-                "mean": answer.samples.mean(),
-                "std": answer.samples.std(),
-                "interval": np.quantile(answer.samples, [0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE]),
-                "measured": measured,
-            },
-            "densities": _densities(computed, assumed, tests),
-        }
-        keep_json(path, {"made_of": made_of, **content})
-    kept: Json = json.loads(path.read_text(encoding="utf-8"))
-    return kept
+    course = np.stack([told["damping"] for told in three.identified.values()], axis=1)
+    inputs = (rig, given, course, taps.natural_freqs, taps.damping_ratios, seen.modes.natural_freqs, samples)
+    signals = seen.test.struck.excitation, seen.test.struck.responses
+    chosen = (CONDITIONS, WALKERS, STEPS, BURNT, EVERY, LOG_COURSE, MISFITS, TRAINED_ON, CHECKED_ON, BASE)
+    return kept(
+        out / KEPT,
+        digest_of(*inputs, *signals, *chosen),
+        lambda: _found(rig, given, course, taps, seen, jobs, progress, samples),
+    )
+
+
+def _found(
+    rig: Rig,
+    given: Rig,
+    course: FloatArray,
+    taps: TappedModes,
+    seen: Measured,
+    jobs: int,
+    progress: Progress,
+    samples: int,
+) -> Json:
+    progress(f"probability: {samples} rigs in each of {len(CONDITIONS)} conditions, and with all random")
+    motion = SmallMotion.of(rig)
+    freqs = {what: condition(motion, rig, what, samples) for what in CONDITIONS}
+    together = condition(motion, rig, None, samples)
+    shares = frequency_shares(motion, rig)
+    progress("probability: the posterior of what the taps say")
+    nominal = SmallMotion.of(given)
+    told = posterior(nominal, given, taps, course)
+    at_taps, tests = told.at_taps(nominal, course), seen.modes.natural_freqs
+    computed = at_taps.reshape(-1, tests.shape[1])
+    progress("probability: emulating the struck response, and checking the emulator")
+    driven = rig.model_copy(update={"excitation": seen.rig.excitation})
+    answer = emulated(driven, seen.test.struck, TIP, jobs)
+    ends = [0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE]
+    return {
+        "samples": samples,
+        "conditions": {
+            **{what: _statistics(found) for what, found in freqs.items()},
+            "all": _statistics(together),
+        },
+        "posterior": {
+            **_statistics(at_taps.mean(axis=1), told.independent),
+            "samples": len(told.numbers),
+            "stiffness": [told.draws.stiffness.mean(axis=0), told.draws.stiffness.std(axis=0)],
+            "damping_factor": [told.draws.damping.mean(axis=0), told.draws.damping.std(axis=0)],
+            "modulus": [told.draws.modulus.mean(), told.draws.modulus.std()],
+            "own_errors": np.median(np.array(MISFITS) * np.exp(told.numbers[:, 5:]), axis=0),
+            "correlation": np.corrcoef(told.numbers.T),
+            "numbers": NUMBERS,
+            "steps_to_forget": told.forgotten,
+            "independent": told.independent,
+        },
+        "coincidence": {
+            "posterior": [coincidence(computed[:, order], tests[:, order]) for order in range(4)],
+            "assumed": [coincidence(together[:, order], tests[:, order]) for order in range(4)],
+        },
+        "difference": vars(difference(at_taps, tests)),
+        "intervals": {
+            "test": tests.mean(axis=0),
+            "alone": motion.natural_freqs(Draws.of(rig, 1))[0],
+            "posterior": np.quantile(at_taps.mean(axis=1), ends, axis=0).T,
+            "assumed": np.quantile(together, ends, axis=0).T,
+        },
+        "shares": {"names": NAMES, **vars(shares)},
+        "emulator": {
+            **{key: value for key, value in vars(answer).items() if key != "samples"},
+            "mean": answer.samples.mean(),
+            "std": answer.samples.std(),
+            "interval": np.quantile(answer.samples, ends),
+            "measured": np.std(seen.test.struck.responses[seen.test.struck.sensors.index(TIP)]),
+        },
+        "densities": _densities(computed, together, tests),
+    }
 
 
 def with_mean_damping(rig: Rig) -> Rig:
@@ -130,8 +159,8 @@ def with_mean_damping(rig: Rig) -> Rig:
     return rig.model_copy(update={"sleeves": sleeves, "effects": others})
 
 
-def _statistics(freqs: FloatArray) -> Json:
-    found = Statistics.of(freqs)
+def _statistics(freqs: FloatArray, independent: float | None = None) -> Json:
+    found = Statistics.of(freqs, independent)
     return {**vars(found), "variation": found.variation}
 
 
@@ -147,10 +176,3 @@ def _densities(*samples: FloatArray) -> list[Json]:
         curves = {key: gaussian_kde(column)(grid) for key, column in zip(keys, columns, strict=True)}
         rows.append({"frequency": grid, **curves})
     return rows
-
-
-def _made_of(rig: Rig, taps: TappedModes, seen: Measured, samples: int) -> str:
-    """Digest of all that is random about."""
-    parts = [json_text([rig.model_dump(exclude_none=True), CONDITIONS, samples]).encode()]
-    parts += [array.tobytes() for array in (taps.natural_freqs, taps.damping_ratios, seen.test.struck.responses)]
-    return sha256(b"".join(parts)).hexdigest()

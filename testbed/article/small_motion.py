@@ -14,7 +14,7 @@ import numpy as np
 from models.arrays import BoolArray, ComplexArray, FloatArray
 from models.linear import LEAST_TURN
 from models.modal import ModalModel
-from models.rig import Rig
+from models.rig import Beam, Rig
 from testbed.article.rig import at_rest
 
 MODES = 4
@@ -58,6 +58,7 @@ class SmallMotion:
     Attributes:
         stiffness, bending: (n, n) of it, and the part of it that goes with Young's modulus, 1/s^2.
         damping: (n, n) 1/s.
+        material: s, Rayleigh's factor on the stiffness, by which the damping goes with Young's modulus too.
         rows: (2, n) motion of the sleeves.
         weight: (n,) gravity's load, sqrt(kg) m/s^2.
     """
@@ -65,6 +66,7 @@ class SmallMotion:
     stiffness: FloatArray
     bending: FloatArray
     damping: FloatArray
+    material: float
     rows: FloatArray
     weight: FloatArray
 
@@ -77,9 +79,11 @@ class SmallMotion:
         """
         model = at_rest(rig)
         stiffness = np.diag(model.omega**2)
+        assert isinstance(rig.structure, Beam)
         rows = np.stack([model.rows(contact.position) for contact in model.plant.contacts])
         weight = -rig.structure.gravity * model.carried
-        return cls(stiffness, stiffness - _clamp(rig, model), model.damping, rows, weight)
+        material = rig.structure.rayleigh_damping[1]
+        return cls(stiffness, stiffness - _clamp(rig, model), model.damping, material, rows, weight)
 
     def poles(self, draws: Draws) -> ComplexArray:
         """(N, 4) of the lowest modes that oscillate, 1/s.
@@ -89,7 +93,8 @@ class SmallMotion:
         """
         closed = self.touching(draws)
         K = self._stiffness(draws) + _at_sleeves(self.rows, draws.stiffness * closed)
-        C = self.damping + _at_sleeves(self.rows, draws.damping * closed)
+        softened = (draws.modulus - 1.0)[:, None, None] * self.bending
+        C = self.damping + self.material * softened + _at_sleeves(self.rows, draws.damping * closed)
         n = len(self.weight)
         system = np.zeros((len(K), 2 * n, 2 * n))
         system[:, :n, n:] = np.eye(n)

@@ -1,13 +1,12 @@
-"""The three models of every clearance, made from the force test alone: initial, updated, diagnosed; each kept.
+"""The three models of every clearance, made from the force test alone: initial, updated, and diagnosed, which is kept.
 
 The initial one is the rig as its owner describes it. The updated one has what the identifier reads from the soft taps.
 The diagnosed one is what the loop adds by itself to the initial one, told nothing but that all sleeves may have the
 same fault: it looks at one clearance, and what it finds there is fitted anew to the force test of every other.
 """
 
-import json
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -15,15 +14,16 @@ from identification.assess import fit_effects
 from identification.diagnose import MOST_EFFECTS, diagnose
 from identification.hypothesis import Hypothesis
 from identification.progress import Progress
+from models.arrays import FloatArray
 from models.effects import EFFECTS, Registry, build_effect, entry_of
 from models.record import Record
 from models.rig import EffectEntry, Rig
-from models.rig_file import read_rig, write_rig
+from models.rig_file import write_rig
 from testbed.article.bench import BenchTest
 from testbed.article.reading import tapped_modes
 from testbed.article.updating import updated
 from testbed.loop import diagnosis_json, rig_of, updated_rig
-from testbed.outputs import json_text, keep_json
+from testbed.outputs import digest_of, kept
 
 Json = dict[str, Any]
 
@@ -47,6 +47,11 @@ class Search:
 
     most_effects: int = MOST_EFFECTS
     kinds: tuple[str, ...] = ()
+
+    @property
+    def in_words(self) -> str:
+        """What the loop is told."""
+        return f"to look for {' and '.join(self.kinds)} alone" if self.kinds else "nothing else"
 
     def registry(self, rig: Rig) -> Registry:
         """The kinds, with those that the rig has.
@@ -110,36 +115,38 @@ def three_models(
         InputError: modes that the rig does not have.
         ArithmeticError: a motion left the finite numbers.
     """
-    made_of, path = _made_of(rig, test, found, search), folder / "models.json"
-    if not path.is_file() or json.loads(path.read_text(encoding="utf-8")).get("made_of") != made_of:
-        folder.mkdir(parents=True, exist_ok=True)
-        write_rig(rig, folder / f"{INITIAL}.toml")
-        identified = _updated(rig, test, folder)
-        diagnosis, diagnosed = _diagnosed(rig, test, found, search, jobs, progress)
-        write_rig(diagnosed, folder / f"{DIAGNOSED}.toml")
-        keep_json(path, {"made_of": made_of, "identified": identified, "diagnosis": diagnosis})
-    content = json.loads(path.read_text(encoding="utf-8"))
-    rigs = {name: read_rig(folder / f"{name}.toml") for name in MODELS}
-    return ThreeModels(rigs, content["identified"], content["diagnosis"])
-
-
-def _updated(rig: Rig, test: BenchTest, folder: Path) -> dict[str, Json]:
-    found = updated(rig, tapped_modes(test.taps, rig))
-    effects = (*rig.effects, *(entry_of(effect) for effect in found.dampings))
-    write_rig(found.rig.model_copy(update={"effects": effects}), folder / f"{UPDATED}.toml")
-    return {
+    folder.mkdir(parents=True, exist_ok=True)
+    found_now = updated(rig, tapped_modes(test.taps, rig))
+    effects = (*rig.effects, *(entry_of(effect) for effect in found_now.dampings))
+    better = found_now.rig.model_copy(update={"effects": effects})
+    content = kept(
+        folder / "diagnosis.json",
+        digest_of(rig, found, search, SEED, *_signals(test)),
+        lambda: _diagnosed(rig, test, found, search, jobs, progress),
+    )
+    rigs = {INITIAL: rig, UPDATED: better, DIAGNOSED: Rig.model_validate(content["rig"])}
+    for name, model in rigs.items():
+        write_rig(model, folder / f"{name}.toml")
+    identified: dict[str, Json] = {
         str(effect.place.sleeve): {
             "time": effect.times,
             "damping": effect.values,
-            "interval": found.intervals[:, number],
+            "interval": found_now.intervals[:, number],
         }
-        for number, effect in enumerate(found.dampings)
+        for number, effect in enumerate(found_now.dampings)
     }
+    return ThreeModels(rigs, identified, content["diagnosis"])
 
 
 def _diagnosed(
-    rig: Rig, test: BenchTest, found: tuple[EffectEntry, ...] | None, search: Search, jobs: int, progress: Progress
-) -> tuple[Json | None, Rig]:
+    rig: Rig,
+    test: BenchTest,
+    found: tuple[EffectEntry, ...] | None,
+    search: Search,
+    jobs: int,
+    progress: Progress,
+) -> Json:
+    """The diagnosed rig, and the diagnosis where it is made here."""
     records: list[Record] = [test.struck, test.taps]
     if found is None:
         told = diagnose(
@@ -152,18 +159,20 @@ def _diagnosed(
             alike=True,
             progress=progress,
         )
-        return diagnosis_json(told), updated_rig(told)
-    progress(f"fitting {', '.join(dict.fromkeys(entry.kind for entry in found))} to the force test")
+        return {"rig": _plain(updated_rig(told)), "diagnosis": diagnosis_json(told)}
+    progress(f"fitting {', '.join(dict.fromkeys(entry.kind for entry in found)) or 'the rig'} to the force test")
     effects = tuple(build_effect(entry, rig, EFFECTS) for entry in found)
     fitted = fit_effects(Hypothesis(rig, effects=effects), records, jobs=jobs, seed=SEED)
-    return None, rig_of(replace(fitted.hypothesis, starts={}, offsets={}))
+    return {"rig": _plain(rig_of(replace(fitted.hypothesis, starts={}, offsets={}))), "diagnosis": None}
 
 
-def _made_of(rig: Rig, test: BenchTest, found: tuple[EffectEntry, ...] | None, search: Search) -> str:
-    """Digest of all that the models are made from."""
-    entries = None if found is None else [entry.model_dump(exclude_none=True) for entry in found]
-    parts = [json_text([rig.model_dump(exclude_none=True), entries, vars(search)]).encode()]
+def _plain(rig: Rig) -> Json:
+    return rig.model_dump(exclude_none=True)
+
+
+def _signals(test: BenchTest) -> Iterator[FloatArray]:
+    """What was measured."""
     for record in (test.taps, test.struck):
         assert record.excitation is not None
-        parts += [record.excitation.tobytes(), record.responses.tobytes()]
-    return sha256(b"".join(parts)).hexdigest()
+        yield record.excitation
+        yield record.responses

@@ -1,4 +1,4 @@
-"""The updated model: contact stiffnesses and damping over time, as the identifier reads them from the soft taps.
+"""The updated model: Young's modulus, contact stiffness and damping over time, as the soft taps show them.
 
 Frequencies tell Young's modulus and the contacts' stiffness, damping ratios the dampings of the sleeves that are closed
 at rest; both are found in turn, since a strong dashpot moves the frequencies too.
@@ -11,14 +11,15 @@ from math import exp
 import numpy as np
 from scipy.optimize import least_squares
 
-from identification.decay.several_sleeves import several_dampings
+from identification.decay.several_sleeves import SleeveDampings, several_dampings
 from models.arrays import FloatArray
+from models.effects import Effect
 from models.effects.protocol import Place
 from models.effects.time_varying_damping import TimeVaryingDamping
 from models.linear import linearised, natural_modes
 from models.modal import build_modal
 from models.plant import Plant, build_plant
-from models.rig import Rig
+from models.rig import Rig, RigParameter
 from testbed.article.reading import MODES, TappedModes
 from testbed.article.rig import BAND, at_rest
 from testbed.hidden_effects.truth import Truth
@@ -64,40 +65,54 @@ def updated(rig: Rig, modes: TappedModes) -> Updated:
         InputError: modes that the rig does not have.
     """
     sleeves, better = closed_at_rest(rig), rig
+    stds = np.hypot(modes.ratio_stds, READ_TO[1] * modes.damping_ratios)
     for _ in range(ROUNDS):
         linear = linearised(at_rest(better))
-        stds = np.hypot(modes.ratio_stds, READ_TO[1] * modes.damping_ratios)
         found = [
             several_dampings(linear, sleeves, *row)
             for row in zip(modes.natural_freqs, modes.damping_ratios, stds, strict=True)
         ]
         values = np.stack([one.values for one in found])
         better = _with_frequencies(rig, dict(zip(sleeves, values.mean(axis=0).tolist(), strict=True)), modes)
-    times = tuple(modes.times.mean(axis=1).tolist())
     effects = tuple(
         TimeVaryingDamping(
-            Place(sleeve=name, position=rig.sleeve(name).position), times=times, values=tuple(column.tolist())
+            Place(sleeve=name, position=rig.sleeve(name).position),
+            times=tuple(_told_at(found, modes, stds, number).tolist()),
+            values=tuple(values[:, number].tolist()),
         )
-        for name, column in zip(sleeves, values.T, strict=True)
+        for number, name in enumerate(sleeves)
     )
     return Updated(better, effects, np.stack([one.intervals for one in found]))
 
 
-def updated_without_error(truth: Truth, sleeves: Sequence[str]) -> Plant:
-    """The updated model as an identifier without error would make it: true numbers, true dampings of small motion.
+def _told_at(found: Sequence[SleeveDampings], modes: TappedModes, stds: FloatArray, number: int) -> FloatArray:
+    """(n_taps,) s, for which a sleeve's damping speaks: each mode's own time by what it tells of the sleeve."""
+    told = (np.stack([one.slopes[:, number] for one in found]) / stds) ** 2
+    return np.asarray(np.sum(told * modes.times, axis=1) / np.sum(told, axis=1))
+
+
+def identified_without_error(truth: Truth, given: Rig, sleeves: Sequence[str]) -> tuple[Rig, tuple[Effect, ...]]:
+    """What an identifier without error would find: true stiffnesses, true dampings of small motion.
 
     Args:
         truth: of the same test.
+        given: the rig as its owner describes it, whose other numbers stay.
         sleeves: names of those that are closed at rest.
     """
     linear = linearised(build_modal(truth.plant, BAND))
-    effects = []
+    effects: list[Effect] = []
     for effect in truth.hidden:
         if isinstance(effect, TimeVaryingDamping) and effect.place.sleeve in sleeves:
             sleeve, at = effect.place.sleeve, effect.place.position
             besides = sum(t.damping for t in linear.tangents if t.port.position == at and t.owner != sleeve)
             effects.append(replace(effect, values=tuple(value + besides for value in effect.values)))
-    return build_plant(truth.built, effects)
+    found = [p for p in truth.built.parameters() if _is_found(p)]
+    return given.with_values({p.path: p.value for p in found}), tuple(effects)
+
+
+def _is_found(parameter: RigParameter) -> bool:
+    """Whether frequencies tell it."""
+    return parameter.path == "youngs_modulus" or parameter.path.endswith(".stiffness")
 
 
 def closed_at_rest(rig: Rig) -> tuple[str, ...]:
@@ -115,15 +130,16 @@ def _with_frequencies(rig: Rig, dampings: Mapping[str, float], modes: TappedMode
     """The rig with Young's modulus and contact stiffnesses that give the identified frequencies, within tolerances."""
     paths = {sleeve.name: f"sleeves[{number}].damping" for number, sleeve in enumerate(rig.sleeves)}
     damped = rig.with_values({paths[name]: value for name, value in dampings.items()})
-    free = [p for p in rig.parameters() if p.path == "youngs_modulus" or p.path.endswith(".stiffness")]
+    free = [p for p in rig.parameters() if _is_found(p)]
 
-    def rig_at(moves: FloatArray) -> Rig:
-        moved = zip(free, moves.tolist(), strict=True)
-        return damped.with_values({p.path: p.value * exp(p.tolerance * move) for p, move in moved})
+    def rig_at(shifted: FloatArray) -> Rig:
+        moved = zip(free, shifted.tolist(), strict=True)
+        return damped.with_values({p.path: p.value * exp(p.tolerance * (place - 1.0)) for p, place in moved})
 
-    def misses(moves: FloatArray) -> FloatArray:
-        freqs = natural_modes(linearised(at_rest(rig_at(moves))), (), BAND).natural_freqs[:MODES]
-        return np.concatenate([np.log(freqs / modes.mean_freqs) / READ_TO[0], moves])
+    def misses(shifted: FloatArray) -> FloatArray:
+        freqs = natural_modes(linearised(at_rest(rig_at(shifted))), (), BAND).natural_freqs[:MODES]
+        return np.concatenate([np.log(freqs / modes.mean_freqs) / READ_TO[0], shifted - 1.0])
 
-    found = least_squares(misses, np.zeros(len(free)), x_scale=1.0, diff_step=[1e-4])
+    # About 1, since the steps of differences are in proportion to the unknowns.
+    found = least_squares(misses, np.ones(len(free)), x_scale=1.0, diff_step=[1e-4] * len(free))
     return rig_at(np.asarray(found.x))

@@ -13,6 +13,7 @@ from testbed.article.rig import Geometry
 from testbed.article.tables import JUDGE
 from testbed.article.three_models import DIAGNOSED, INITIAL, MODELS, UPDATED, ThreeModels
 from testbed.article.truth import truth_of
+from testbed.article.updating import closed_at_rest, identified_without_error
 
 COLOURS = {INITIAL: "tab:blue", UPDATED: "0.1", DIAGNOSED: "tab:green", "test": "tab:red"}
 """As in the article: the initial model blue, the updated one black, the test red."""
@@ -84,7 +85,7 @@ def clearances_figure(all_found: Sequence[Compared], points: Mapping[str, str]) 
 
 
 def damping_figure(geometry: Geometry, models: Mapping[float, ThreeModels]) -> Figure:
-    """Damping of both sleeves over the test: as identified from soft taps, and the contact's own without grease.
+    """Damping of both sleeves over the test: as identified from soft taps, and as small motion really has it.
 
     Args:
         geometry: of the rig.
@@ -101,8 +102,8 @@ def damping_figure(geometry: Geometry, models: Mapping[float, ThreeModels]) -> F
             low, high = np.array(told["interval"], float).T
             ax.fill_between(time, low, high, color=colour, alpha=0.25)
             ax.plot(time, value, "o-", color=colour, markersize=3, label=f"{sleeve}, identified")
-        for number, (times, values) in enumerate(_own(geometry, clearance)):
-            ax.plot(times, values, "--", color=f"C{number}", linewidth=1.0, label=f"sleeve {number + 1}, contact alone")
+        for sleeve, (times, values) in _own(geometry, clearance).items():
+            ax.plot(times, values, "--", color=f"C{int(sleeve[-1]) - 1}", linewidth=1.0, label=f"{sleeve}, true")
         ax.set_title(f"{MILLI * clearance:g} mm", fontsize=9)
     for ax in panels[-columns:]:
         ax.set_xlabel("time [s]")
@@ -111,11 +112,12 @@ def damping_figure(geometry: Geometry, models: Mapping[float, ThreeModels]) -> F
     return figure
 
 
-def _own(geometry: Geometry, clearance: float) -> list[tuple[FloatArray, FloatArray]]:
-    """The contacts' own damping over time, as the truth has it."""
-    hidden = truth_of(geometry, clearance, "force", JUDGE).hidden
-    tables = [effect for effect in hidden if isinstance(effect, TimeVaryingDamping)]
-    return [(np.array(table.times), np.array(table.values)) for table in tables]
+def _own(geometry: Geometry, clearance: float) -> dict[str, tuple[FloatArray, FloatArray]]:
+    """Times and dampings of small motion, by sleeve that carries the rod, as the truth has them."""
+    given, truth = geometry.rig(clearance, "force"), truth_of(geometry, clearance, "force", JUDGE)
+    _, effects = identified_without_error(truth, given, closed_at_rest(given))
+    tables = [effect for effect in effects if isinstance(effect, TimeVaryingDamping)]
+    return {str(table.place.sleeve): (np.array(table.times), np.array(table.values)) for table in tables}
 
 
 def _panels(points: Mapping[str, str]) -> tuple[Figure, list[Axes]]:

@@ -24,8 +24,8 @@ def coincidence_figure(found: Json) -> Figure:
         ):
             ax.fill_between(freq, curves[key], color=colour, alpha=0.2)
             ax.plot(freq, curves[key], color=colour, linewidth=1.0, label=label)
-        share = found["coincidence"]["posterior"][order]
-        ax.set_title(f"order {order + 1}: {share:.2f} in common with the posterior", fontsize=9)
+        share, within = found["coincidence"]["posterior"][order]
+        ax.set_title(f"order {order + 1}: {share:.2f} +- {within:.2f} in common with the posterior", fontsize=9)
         ax.set(ylim=(0.0, None), xlabel="natural frequency [Hz]", yticks=[])
     figure.axes[0].legend(fontsize=7)
     return figure
@@ -49,7 +49,7 @@ def shares_figure(found: Json) -> Figure:
         ax.barh(at + 0.18, first, 0.36, xerr=first_within, color="tab:blue", label="alone", error_kw={"lw": 0.8})
         ax.barh(at - 0.18, total, 0.36, xerr=total_within, color="0.7", label="in all", error_kw={"lw": 0.8})
         ax.set(title=title, xlim=(0.0, 1.1), yticks=at, yticklabels=shares["names"])
-        ax.invert_yaxis() if title == "f1" else None
+    figure.axes[0].invert_yaxis()
     figure.axes[0].legend(fontsize=7)
     figure.supxlabel("share of the variance", fontsize=9)
     return figure

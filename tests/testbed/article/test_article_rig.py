@@ -1,12 +1,15 @@
 """The rig of the article: measured frequencies, both sleeves carrying it at rest, and both struck in every test."""
 
 import json
+import re
 from dataclasses import asdict, replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from models.rig_file import read_rig
+from testbed.article.compared import JUDGED, PERFECT
 from testbed.article.published import published
 from testbed.article.rig import CALIBRATED_AT, SLEEVES_AT, Geometry, at_rest, calibrated, natural_freqs
 from testbed.article.sines import AMPLITUDES
@@ -89,9 +92,14 @@ def test_the_study_writes_its_page_and_rigs_that_can_be_read_and_goes_on_where_i
     assert len(content["at_rest"]) == 1
     assert len(content["tests"]) == 2
     page = (out / "README.md").read_text()
-    assert "figures/frequencies.png" in page
-    for name in ("frequencies", "sines"):
+    figures = re.findall(r"\(figures/(\w.*?)\.png\)", page)
+    assert {"frequencies", "sines", "damping", "frf_0.5-mm", "csac_0.5-mm", "coincidence", "slews_mujoco"} <= set(
+        figures
+    )
+    for name in figures:
         assert (out / "figures" / f"{name}.png").stat().st_size > 10_000
+    for table in re.findall(r"(?:^\|.*\n)+", page, re.MULTILINE):
+        assert len({line.count("|") for line in table.splitlines()}) == 1
     for drive in DRIVES:
         np.testing.assert_allclose(natural_freqs(read_rig(out / f"rig_{drive}.toml")), MEASURED, rtol=1e-5)
 
@@ -105,14 +113,35 @@ def test_the_study_writes_its_page_and_rigs_that_can_be_read_and_goes_on_where_i
     assert row["levels"][1]["check"]["distortion"] > 0.1
     assert any(not stable for stable in row["levels"][1]["curves"][0]["stable"])
 
+    assert_models_are_judged_and_used(content)
     kept = sorted((out / "sines").glob("*.json"))
     assert len(kept) == len(AMPLITUDES)
+    kept += [*out.glob("records/*/test.json"), *out.glob("models/*/diagnosis.json"), *out.glob("slews/*.json")]
+    kept.append(out / "probability.json")
+    assert len(kept) == len(AMPLITUDES) + 5
     before = [file.stat().st_mtime_ns for file in kept[1:]]
     kept[0].unlink()
     assert main(command) == 0
     said = capsys.readouterr().err
     assert said.count("sines of") == 1
     assert [file.stat().st_mtime_ns for file in kept[1:]] == before
+
+
+def assert_models_are_judged_and_used(content):
+    """The updated model meets the article's gains; the tip's error falls from no model to the perfect one."""
+    (clearance,) = content["clearances"]
+    assert set(clearance["models"]) == set(JUDGED)
+    assert np.min(clearance["models"][PERFECT]["mujoco"]["frac"]) > 0.999
+    (bars,) = content["bars"].values()
+    met = {bar["what"]: bar["is_met"] for bar in bars}
+    assert all(met[f"updated: {what} of the FRF"] for what in ("MRE", "RMSE"))
+    assert met["updated: largest frequency error"]
+    (slews,) = content["slews"]
+    errors = [slews["courses"][name]["mujoco"]["rms"] for name in ("no model", "initial", "updated", "perfect")]
+    assert all(less < 0.2 * more for more, less in pairwise(errors))
+    assert min(content["probability"]["difference"]["inside"]) == 1.0
+    assert content["probability"]["emulator"]["error"] < 0.15
+    assert content["models"]["0.0005"]["diagnosis"]["verdict"] in {"missing_effect", "unexplained"}
 
 
 def test_a_test_kept_for_another_rig_is_made_again(tmp_path, geometry):
