@@ -5,7 +5,7 @@ model by iteration: the tip's error, through the inverse of the linearised rig, 
 the nonlinear model says what is left. The rig never takes part, so this is feed-forward alone: a model's error is the
 tip's.
 
-Source: Ghosh and Paden, Int. J. Robust Nonlinear Control 14 (2004) 331, iteration with the inverse of a linear model.
+Source: Ghosh and Paden, IEEE Trans. Autom. Control 47 (2002) 831, iteration with the inverse of a linear model.
 """
 
 from collections.abc import Callable, Mapping
