@@ -162,7 +162,8 @@ def _why_missed(rows: Sequence[Json], bar: Bar) -> str:
     return (
         f"{bar.what} is missed by the model, not by identification: without any error of that it would be "
         f"{same[EXACT].reached}, with all other numbers true {same[EXACT_RIG].reached}. It is worst at "
-        f"{MILLI * worst['clearance']:g} mm, where the rod flies through grease that this model has only at the wall."
+        f"{MILLI * worst['clearance']:g} mm. Its dampings are those of small motion; under the multisine friction and "
+        "film act otherwise."
     )
 
 
