@@ -19,7 +19,7 @@ class Loop:
     def __init__(self):
         self.calls, self.provenance, self.broken = [], None, False
 
-    def diagnose(self, rig, records, holdout=(), *, seed=0, jobs=2, progress=print):
+    def diagnose(self, rig, records, holdout=(), *, seed=0, jobs=2, alike=False, progress=print):
         self.calls.append(([r.name for r in records], [r.name for r in holdout], seed, jobs))
         progress("screening")
         return made_up_diagnosis(rig, records[0])
@@ -104,7 +104,7 @@ def test_a_change_of_any_input_or_output_diagnoses_again(folder, loop, change):
     assert len(loop.calls) == 2
 
 
-@pytest.mark.parametrize("option", [("--seed", "1"), ("--holdout", "burst.csv"), ("--without", "P1")])
+@pytest.mark.parametrize("option", [("--seed", "1"), ("--holdout", "burst.csv"), ("--without", "P1"), ("--alike",)])
 def test_another_question_is_another_run(folder, loop, option):
     diagnose()
     diagnose(*option)
