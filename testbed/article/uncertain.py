@@ -1,8 +1,8 @@
 """What uncertain numbers do to the natural frequencies: the article's three conditions, and the posterior beside them.
 
 The article draws stiffness, damping and clearance of the contacts from assumed normal distributions. What the taps say
-of these numbers is a distribution too: the posterior. The model is a little wrong in each tap; how much is not told
-beforehand but inferred with the numbers, from what several taps leave.
+of these numbers is a distribution too: the posterior. The model is a little wrong; how much is not told beforehand but
+inferred with the numbers. It is wrong in the same way after every tap, so all taps together count as one.
 """
 
 from collections.abc import Mapping
@@ -176,7 +176,8 @@ def posterior(motion: SmallMotion, given: Rig, modes: TappedModes, course: Float
             apart = np.log(np.abs(poles) / (2.0 * np.pi) / freq), -poles.real / np.abs(poles) / ratio - 1.0
             for which, misses in enumerate(apart):
                 scale = errors[:, which]
-                total -= 0.5 * np.sum((misses / scale[:, None]) ** 2, axis=1) + MODES * np.log(scale)
+                told = 0.5 * np.sum((misses / scale[:, None]) ** 2, axis=1) + MODES * np.log(scale)
+                total -= told / len(freqs)
         return np.asarray(total)
 
     moves = [(emcee.moves.DEMove(), 0.8), (emcee.moves.DESnookerMove(), 0.2)]
