@@ -135,13 +135,13 @@ def article_json(study: ArticleStudy) -> Json:
     Args:
         study: finished.
     """
-    geometry = study.geometry
+    geometry, rows = study.geometry, [rows_of(found) for found in study.compared]
     return {
         "geometry": {**asdict(geometry), "rate": geometry.rate, "sag": geometry.sag},
         "at_rest": [{**vars(rest), "errors": rest.errors} for rest in study.rests],
         "tests": [vars(test) for test in study.tests],
         "sines": study.sines,
-        "clearances": [rows_of(found) for found in study.compared],
+        "clearances": rows,
         "models": {
             f"{clearance:g}": {
                 "identified": three.identified,
@@ -150,10 +150,7 @@ def article_json(study: ArticleStudy) -> Json:
             }
             for clearance, three in study.models.items()
         },
-        "bars": {
-            engine: [vars(bar) for bar in bars_of([rows_of(found) for found in study.compared], engine)]
-            for engine in study.extent.judges
-        },
+        "bars": {engine: [vars(bar) for bar in bars_of(rows, engine)] for engine in study.extent.judges},
         "probability": study.probability,
         "slews": [_errors_alone(row) for row in study.slews],
     }
