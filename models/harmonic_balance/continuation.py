@@ -1,21 +1,33 @@
 """Following a curve of solutions around its folds by pseudo-arclength, with steps as long as Newton's method allows.
 
-Source: R. Seydel, Practical Bifurcation and Stability Analysis (2010), chapter 4.
+Slopes are found once a point, where it is first guessed: a quasi-Newton method improves them on the way, since what is
+left of the equations is far cheaper to find than slopes are.
+
+Sources: R. Seydel, Practical Bifurcation and Stability Analysis (2010), chapter 4; P. Deuflhard, Newton Methods for
+Nonlinear Problems (2004), section 2.1.4 for the quasi-Newton method QNERR (Broyden's good updates), chapter 5 for steps
+by contraction.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import Protocol, Self
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg.lapack import sgetrf, sgetrs
 
-from models.arrays import FloatArray
+from models.arrays import FloatArray, IntArray
 
-NEWTON_TOLERANCE = 1e-9
-"""Of the last correction beside the point, in the curve's own units; what is left is of the order of its square."""
+TOLERANCE = 1e-8
+"""Of a point, in the curve's own units."""
 
-MOST_ITERATIONS, WANTED_ITERATIONS = 10, 4.0
-"""A point that needs more is sought again closer by; steps grow or shrink until the wanted number is needed."""
+SLOWEST = 0.5
+"""What a quasi-Newton correction may leave of the one before; more, and slopes are found anew."""
+
+WANTED = 0.05
+"""What a first correction is to leave: steps grow or shrink towards it."""
+
+MOST_ITERATIONS = 10
+"""A point that needs more is sought again closer by."""
 
 MOST_HALVINGS = 6
 """Of a correction that leads further away."""
@@ -29,68 +41,136 @@ CORNER = 1e-4
 STEPS = (1e-8, 0.02, 0.1)
 """Least, first and longest step, in the curve's own units."""
 
-Seen = TypeVar("Seen")
-"""What the equations know beside their residual."""
 
-Evaluate = Callable[[FloatArray], tuple[FloatArray, FloatArray, Seen]]
-"""(m + 1,) a point -> (m,) residual, (m, m + 1) slopes and what was seen on the way."""
+class Curve(Protocol):
+    """m equations for m + 1 numbers."""
+
+    def residual(self, u: FloatArray) -> FloatArray:
+        """(m,) what is left of the equations at a point."""
+
+    def slopes(self, u: FloatArray) -> FloatArray:
+        """(m, m + 1) slopes of what is left."""
 
 
 @dataclass(frozen=True, eq=False)
-class Point(Generic[Seen]):
+class Slopes:
+    """Factorised slopes, with the plane in which one corrects as their last row.
+
+    In single precision: what corrections lack by it, the next one makes good.
+
+    Attributes:
+        factors: (m + 1, m + 1) lower and upper triangle of the transposed matrix.
+        swaps: (m + 1,) of its rows.
+    """
+
+    factors: NDArray[np.float32]
+    swaps: IntArray
+
+    @classmethod
+    def of(cls, slopes: FloatArray, normal: FloatArray) -> Self | None:
+        """Of (m, m + 1) slopes and the plane's normal; None where they have no inverse."""
+        factors, swaps, info = sgetrf(np.vstack([slopes, normal]).astype(np.float32).T, overwrite_a=True)
+        return None if info != 0 else cls(factors, swaps)
+
+    def correction(self, residual: FloatArray) -> FloatArray:
+        """(m + 1,) that would take away what is left, within the plane."""
+        return -self._solved(np.append(residual, 0.0))
+
+    @property
+    def direction(self) -> FloatArray:
+        """(m + 1,) of the curve, of length 1, to the side of the plane's normal."""
+        ahead = np.zeros(len(self.swaps))
+        ahead[-1] = 1.0
+        along = self._solved(ahead)
+        return along / np.linalg.norm(along)
+
+    def _solved(self, right: FloatArray) -> FloatArray:
+        size = float(np.abs(right).max())
+        if size == 0.0:
+            return right
+        return size * np.asarray(sgetrs(self.factors, self.swaps, right / size, trans=1)[0], float)
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
     """A solution on the curve.
 
     Attributes:
         u: (m + 1,) in the curve's own units.
-        direction: (m + 1,) of the curve there, of length 1.
-        iterations: that Newton's method took.
-        seen: by the equations before the last correction.
+        direction: (m + 1,) of the curve, of length 1, where the slopes were last found.
+        contraction: what the first correction left of itself; 1 where the slopes it began with did not serve.
     """
 
     u: FloatArray
     direction: FloatArray
-    iterations: int
-    seen: Seen
+    contraction: float
 
 
-def corrected(evaluate: Evaluate[Seen], guess: FloatArray, direction: FloatArray) -> Point[Seen] | None:
+def corrected(curve: Curve, guess: FloatArray, direction: FloatArray, *, is_patient: bool = True) -> Point | None:
     """The solution in the plane through a guess at right angles to a direction; None where Newton's method fails.
 
     Args:
-        evaluate: the equations.
+        curve: the equations.
         guess: (m + 1,) near the curve.
-        direction: (m + 1,) of the plane's normal, to which the new direction turns the same way.
+        direction: (m + 1,) of the plane's normal, to whose side the new direction turns.
+        is_patient: find slopes after every correction where those at the guess do not serve; else a guess nearer by is
+            the cheaper way.
     """
-    u, step = guess.copy(), np.zeros(len(guess))
-    last = np.zeros(len(u))
-    last[-1] = 1.0
-    left = np.inf
-    for iteration in range(1, MOST_ITERATIONS + 1):
-        residual, slope, seen = evaluate(u)
-        size = float(np.linalg.norm(residual))
-        for _ in range(MOST_HALVINGS):
-            if size <= left:
-                break
-            # A contact that just touches has two slopes; the longer way led past the corner.
-            step *= 0.5
-            u -= step
-            residual, slope, seen = evaluate(u)
-            size = float(np.linalg.norm(residual))
-        left = size
-        # One factorisation gives the step and the curve's direction.
-        try:
-            both = np.linalg.solve(np.vstack([slope, direction]), np.column_stack([np.append(-residual, 0.0), last]))
-        except np.linalg.LinAlgError:
+    slopes = Slopes.of(curve.slopes(guess), direction)
+    if slopes is None:
+        return None
+    found = _by_quasi_newton(curve, guess, slopes)
+    return _by_newton(curve, guess, direction, slopes) if found is None and is_patient else found
+
+
+def _by_quasi_newton(curve: Curve, guess: FloatArray, slopes: Slopes) -> Point | None:
+    """By slopes found once; None where corrections do not shrink as they should."""
+    u, first = guess, None
+    steps = [slopes.correction(curve.residual(guess))]
+    squares = [float(steps[0] @ steps[0])]
+    for _ in range(MOST_ITERATIONS):
+        u = u + steps[-1]
+        if squares[-1] < TOLERANCE**4:
+            return Point(u, slopes.direction, first or 0.0)
+        ahead = slopes.correction(curve.residual(u))
+        for before, after, square in zip(steps[:-1], steps[1:], squares[:-1], strict=True):
+            ahead += (ahead @ before) / square * after
+        contraction = float(np.sqrt(ahead @ ahead / squares[-1]))
+        if not contraction < SLOWEST:
             return None
-        step = both[:, 0]
-        if not np.isfinite(step).all():
-            return None
-        u += step
-        if np.linalg.norm(step) < NEWTON_TOLERANCE * (1.0 + np.linalg.norm(u)):
-            return Point(u, both[:, 1] / np.linalg.norm(both[:, 1]), iteration, seen)
+        first = contraction if first is None else first
+        steps.append(ahead / (1.0 - float(ahead @ steps[-1]) / squares[-1]))
+        squares.append(float(steps[-1] @ steps[-1]))
+        if contraction * np.sqrt(squares[-1]) < TOLERANCE * (1.0 + float(np.linalg.norm(u))):
+            return Point(u + steps[-1], slopes.direction, first)
     return None
 
 
-def next_step(step: float, iterations: int) -> float:
-    """Length of the next step after one of ``step`` that took so many iterations."""
-    return float(np.clip(step * np.clip(WANTED_ITERATIONS / iterations, 0.5, 2.0), STEPS[0], STEPS[2]))
+def _by_newton(curve: Curve, guess: FloatArray, direction: FloatArray, slopes: Slopes | None) -> Point | None:
+    """By slopes found after every step, which is halved while more is left after it than before."""
+    u, residual = guess, curve.residual(guess)
+    for _ in range(MOST_ITERATIONS):
+        if slopes is None:
+            return None
+        step, left = slopes.correction(residual), float(np.linalg.norm(residual))
+        if not np.isfinite(step).all():
+            return None
+        if np.linalg.norm(step) < TOLERANCE * (1.0 + np.linalg.norm(u)):
+            return Point(u + step, slopes.direction, 1.0)
+        residual = curve.residual(u + step)
+        for _ in range(MOST_HALVINGS):
+            if np.linalg.norm(residual) <= left:
+                break
+            # A contact that just touches has two slopes; the longer way led past the corner.
+            step = 0.5 * step
+            residual = curve.residual(u + step)
+        u = u + step
+        slopes = Slopes.of(curve.slopes(u), direction)
+    return None
+
+
+def next_step(step: float, contraction: float) -> float:
+    """Length of the next step after one of ``step`` whose first correction left so much of itself."""
+    return float(
+        np.clip(step * np.clip(np.sqrt(WANTED / max(contraction, WANTED / 4.0)), 0.5, 2.0), STEPS[0], STEPS[2])
+    )

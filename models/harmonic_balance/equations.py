@@ -1,23 +1,23 @@
 """The balance of harmonics at the ports: x = H(i k omega) (excitation + forces of x), with its exact slopes.
 
 Only the ports, where laws and contacts act, carry unknowns: the rest of the model is linear and follows from them by
-its receptances. The forces are sampled over one period and sent through a Fourier transform, as are their slopes, whose
-harmonics stand in the Jacobian on diagonals and antidiagonals.
+its receptances. The forces are sampled over one period and turned into harmonics, as are their slopes, whose harmonics
+stand in the Jacobian on diagonals and antidiagonals.
 
 Source: M. Krack, J. Gross, Harmonic Balance for Nonlinear Vibration Problems (2019), chapters 2 and 3.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Self
+from functools import cached_property, lru_cache
+from typing import NamedTuple, Self
 
 import numpy as np
 
-from models.arrays import ComplexArray, FloatArray, IntArray
+from models.arrays import ComplexArray, FloatArray
 from models.errors import InputError
 from models.harmonic_balance.drive import SineDrive
-from models.harmonic_balance.forces import forces_over_period
+from models.harmonic_balance.kernel import Frame, Sine, over_period, residual_of, slopes_of
 from models.harmonic_balance.poles import Poles, StateSpace
 from models.law import LawFunction
 from models.modal import ModalModel
@@ -38,23 +38,14 @@ LATER = (0.37, 11.0)
 """s, when they are asked again."""
 
 
-@dataclass(frozen=True, eq=False)
-class Balance:
-    """The harmonics at the ports put into the equations.
+class OverPeriod(NamedTuple):
+    """What the laws and contacts do in one period of a motion.
 
     Attributes:
-        residual: (n_ports, H + 1) m.
-        by_x: (n, n) slope of the real residual over the real unknowns (``packed``).
-        by_omega: (n,) over omega, m s.
-        by_amplitude: (n,) over the excitation's amplitude.
-        forces: (n_ports, N) of the laws, less those at rest, over one period, N.
+        forces: (n_ports, N) less those at rest, N.
         by_q, by_v: (n_ports, N) their slopes over the motion, N/m and N s/m.
     """
 
-    residual: ComplexArray
-    by_x: FloatArray
-    by_omega: FloatArray
-    by_amplitude: FloatArray
     forces: FloatArray
     by_q: FloatArray
     by_v: FloatArray
@@ -63,6 +54,9 @@ class Balance:
 @dataclass(frozen=True, eq=False)
 class Equations:
     """The equations of a modal model under a sinusoidal excitation, for harmonics 0 to H.
+
+    Motion of the ports is told by n real coefficients in a row: per port the mean, then real and imaginary part of each
+    harmonic, q = x_0 + 2 Re sum x_k exp(i k omega t), m about rest.
 
     Attributes:
         model: with its rest.
@@ -116,122 +110,96 @@ class Equations:
 
     @cached_property
     def n_unknowns(self) -> int:
-        """Real numbers that describe the motion of the ports."""
+        """n, real numbers that describe the motion of the ports."""
         return len(self.model.ports) * (2 * self.n_harmonics + 1)
 
-    @cached_property
-    def _orders(self) -> FloatArray:
-        return np.arange(self.n_harmonics + 1.0)
-
-    @cached_property
-    def _places(self) -> tuple[IntArray, IntArray]:
-        """(H + 1, H + 1) row - column and row + column: which harmonic of a slope couples them."""
-        k = np.arange(self.n_harmonics + 1)
-        return k[:, None] - k, k[:, None] + k
-
     def packed(self, x: ComplexArray) -> FloatArray:
-        """(n,) real numbers of (n_ports, H + 1) two-sided Fourier coefficients: mean, real and imaginary parts."""
-        return np.concatenate([x.real, x.imag[:, 1:]], axis=1).ravel()
+        """(n,) real numbers of (n_ports, H + 1) two-sided Fourier coefficients."""
+        y = np.empty((len(x), 2 * self.n_harmonics + 1))
+        y[:, 0], y[:, 1::2], y[:, 2::2] = x[:, 0].real, x[:, 1:].real, x[:, 1:].imag
+        return y.ravel()
 
     def unpacked(self, y: FloatArray) -> ComplexArray:
         """The coefficients of real numbers."""
         rows = y.reshape(len(self.model.ports), -1)
-        x = rows[:, : self.n_harmonics + 1].astype(complex)
-        x[:, 1:] += 1j * rows[:, self.n_harmonics + 1 :]
+        x = np.empty((len(rows), self.n_harmonics + 1), complex)
+        x[:, 0], x[:, 1:] = rows[:, 0], rows[:, 1::2] + 1j * rows[:, 2::2]
         return x
 
-    def motion(self, x: ComplexArray, omega: float, amplitude: float) -> tuple[FloatArray, FloatArray]:
-        """(n_ports, N) displacement and velocity as the laws see them over one period.
+    def residual(self, y: FloatArray, omega: float, amplitude: float) -> FloatArray:
+        """(n,) what is left of the equations, m.
 
         Args:
-            x: (n_ports, H + 1) coefficients about rest, m.
-            omega: rad/s.
-            amplitude: of the excitation.
-        """
-        seen = np.stack([x, x])
-        seen[:, :, 1] += 0.5 * amplitude * self.drive.base_at(omega) * self.drive.absolute
-        seen[1] *= 1j * omega * self._orders
-        q, v = np.fft.irfft(seen, self.n_samples, axis=2, norm="forward")
-        q += self.model.rest.position[:, None]
-        return q, v
-
-    def balance(self, x: ComplexArray, omega: float, amplitude: float) -> Balance:
-        """Residual and slopes.
-
-        Args:
-            x: (n_ports, H + 1) coefficients about rest, m: q = x_0 + 2 Re sum x_k exp(i k omega t).
+            y: (n,) motion, m.
             omega: rad/s.
             amplitude: of the excitation, in its own quantity.
         """
-        n, kept = self.n_samples, self.n_harmonics + 1
-        q, v = self.motion(x, omega, amplitude)
-        over_period = np.empty((4, *q.shape))
-        force, by_q, by_v, by_turn = over_period
-        forces_over_period(self.items, 2.0 * np.pi / (omega * n), q, v, force, by_q, by_v)
-        force -= self.rest_force[:, None]
-        np.multiply(by_v, v, out=by_turn)
-        spectra = np.fft.rfft(over_period, axis=2)[:, :, : 2 * kept] / n
-        pushed, slope_q, slope_v, changed = spectra[0, :, :kept].T, spectra[1], spectra[2], spectra[3, :, :kept] / omega
+        return residual_of(self._frame, self._rows(y), self._sine(omega, amplitude)).ravel()
 
-        turn = np.asarray(1j * omega * self._orders, complex)
-        response, response_slope = self.receptance.at(turn), self.receptance.slope_at(turn)
-        given, given_slope = self.drive.input_at(omega), self.drive.input_slope_at(omega)
-        load = np.column_stack([pushed, np.zeros(kept)])
-        load[1, -1] = 0.5 * amplitude * given
-        residual = x - (response @ load[:, :, None])[:, :, 0].T
+    def slopes(self, y: FloatArray, omega: float, amplitude: float) -> FloatArray:
+        """(n, n + 2) slopes of what is left over the motion, omega and the amplitude.
 
-        own = response[:, :, :-1]
-        forth, back = self._coupling(slope_q, slope_v, omega)
-        by_x = self._real_slope(own, forth, back)
+        Args:
+            y: (n,) motion, m.
+            omega: rad/s.
+            amplitude: of the excitation, in its own quantity.
+        """
+        return slopes_of(self._frame, self._rows(y), self._sine(omega, amplitude))
 
-        # v = i k omega x and the base's motion change with omega, and so do the receptances.
-        if self.drive.order is not None:
-            changed += self._of_base(forth, back, 0.5 * amplitude * self.drive.base_slope_at(omega))
-        by_omega = -(own @ changed.T[:, :, None])[:, :, 0].T
-        by_omega -= ((1j * self._orders)[:, None, None] * response_slope @ load[:, :, None])[:, :, 0].T
-        by_omega[:, 1] -= response[1, :, -1] * (0.5 * amplitude * given_slope)
+    def over_period(self, y: FloatArray, omega: float, amplitude: float) -> OverPeriod:
+        """The forces of a motion and their slopes.
 
-        by_amplitude = np.zeros_like(residual)
-        if self.drive.order is not None:
-            moved = self._of_base(forth, back, 0.5 * self.drive.base_at(omega))
-            by_amplitude -= (own @ moved.T[:, :, None])[:, :, 0].T
-        by_amplitude[:, 1] -= response[1, :, -1] * (0.5 * given)
-        return Balance(residual, by_x, self.packed(by_omega), self.packed(by_amplitude), force, by_q, by_v)
+        Args:
+            y: (n,) motion, m.
+            omega: rad/s.
+            amplitude: of the excitation, in its own quantity.
+        """
+        return OverPeriod(*over_period(self._frame, self._rows(y), self._sine(omega, amplitude)))
 
-    def _coupling(
-        self, slope_q: ComplexArray, slope_v: ComplexArray, omega: float
-    ) -> tuple[ComplexArray, ComplexArray]:
-        """(n_ports, H + 1, H + 1) twice: harmonics of the force by those of the motion, and by their conjugates."""
-        apart, together = self._places
-        turn = 1j * omega * self._orders
+    @cached_property
+    def _frame(self) -> Frame:
+        return Frame(
+            items=self.items,
+            rest=self.model.rest.position,
+            rest_force=self.rest_force,
+            absolute=self.drive.absolute,
+            poles=self.receptance.poles,
+            residues=self.receptance.residues,
+            **_waves(self.n_harmonics, self.n_samples),
+        )
 
-        def diagonal(slope: ComplexArray) -> ComplexArray:
-            picked = slope[:, np.abs(apart)]
-            return np.where(apart >= 0, picked, picked.conj())
+    def _rows(self, y: FloatArray) -> FloatArray:
+        return y.reshape(-1, 2 * self.n_harmonics + 1)
 
-        forth = diagonal(slope_q) + turn * diagonal(slope_v)
-        back = slope_q[:, together] - turn * slope_v[:, together]
-        back[:, :, 0] = 0.0
-        return forth, back
+    def _sine(self, omega: float, amplitude: float) -> Sine:
+        drive, half = self.drive, 0.5 * amplitude
+        base, given = drive.base_at(omega), drive.input_at(omega)
+        return Sine(
+            omega=omega,
+            base=half * base,
+            base_by_omega=half * drive.base_slope_at(omega),
+            base_by_amplitude=0.5 * base,
+            given=half * given,
+            given_by_omega=half * drive.input_slope_at(omega),
+            given_by_amplitude=0.5 * given,
+        )
 
-    def _of_base(self, forth: ComplexArray, back: ComplexArray, first: complex) -> ComplexArray:
-        """(n_ports, H + 1) harmonics of the force under a first harmonic of the base."""
-        return np.asarray(self.drive.absolute[:, None] * (forth[:, :, 1] * first + back[:, :, 1] * np.conj(first)))
 
-    def _real_slope(self, own: ComplexArray, forth: ComplexArray, back: ComplexArray) -> FloatArray:
-        """(n, n) of x - H f over the packed unknowns; own: (H + 1, n_ports, n_ports) receptances."""
-        shares = own.transpose(1, 2, 0)[:, :, :, None]
-        plus, minus = shares * (forth + back), shares * (forth - back)
-        n_ports, kept = plus.shape[0], plus.shape[2]
-        slope = np.empty((n_ports, 2 * kept - 1, n_ports, 2 * kept - 1))
-        for i in range(n_ports):
-            for j in range(n_ports):
-                block = slope[i, :, j, :]
-                block[:kept, :kept], block[kept:, :kept] = -plus[i, j].real, -plus[i, j].imag[1:]
-                block[:kept, kept:], block[kept:, kept:] = minus[i, j].imag[:, 1:], -minus[i, j].real[1:, 1:]
-        flat = slope.reshape(self.n_unknowns, self.n_unknowns)
-        flat[np.diag_indices_from(flat)] += 1.0
-        return flat
+@lru_cache(maxsize=16)
+def _waves(n_harmonics: int, n_samples: int) -> dict[str, FloatArray]:
+    """Matrices between a period's samples and its coefficients, as ``Frame`` names them."""
+    angles = 2.0 * np.pi / n_samples * np.outer(np.arange(1, 2 * n_harmonics + 1), np.arange(n_samples))
+    rows = np.empty((4 * n_harmonics + 1, n_samples))
+    rows[0], rows[1::2], rows[2::2] = 1.0, np.cos(angles), -np.sin(angles)
+    size = 2 * n_harmonics + 1
+    to_time = rows[:size].copy()
+    to_time[1:] *= 2.0
+    back = rows.T / n_samples
+    return {
+        "to_time": to_time,
+        "to_harmonics": np.ascontiguousarray(back[:, :size]),
+        "to_more": np.ascontiguousarray(back),
+    }
 
 
 def _refuse_what_is_not_periodic(model: ModalModel) -> None:

@@ -9,9 +9,9 @@ from models.arrays import ComplexArray, FloatArray
 from models.errors import DivergenceError
 from models.harmonic_balance.continuation import CORNER, SHARPEST_TURN, STEPS, Point, corrected, next_step
 from models.harmonic_balance.curve import PeriodicCurve
-from models.harmonic_balance.equations import Balance
+from models.harmonic_balance.equations import OverPeriod
 from models.harmonic_balance.problem import Motion, Problem, resized
-from models.harmonic_balance.stability import Loss, stability_of
+from models.harmonic_balance.stability import Stability, stability_of
 
 HARMONICS = (3, 5, 7, 11, 15, 21, 31, 45, 63)
 """Numbers of harmonics between which a curve chooses."""
@@ -22,13 +22,23 @@ SPARE = 10.0
 
 @dataclass(frozen=True, eq=False)
 class _Found:
-    """A point with what is kept of it."""
+    """A point as it was found."""
+
+    point: Point
+    motion: Motion
+    moved: OverPeriod
+    forces: ComplexArray
+    left_out: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Kept:
+    """What stays of it."""
 
     motion: Motion
     forces: ComplexArray
     left_out: float
-    largest: float
-    loss: Loss
+    stability: Stability
 
 
 @dataclass(eq=False)
@@ -61,37 +71,37 @@ class Follower:
         guess = self.problem.point(start)
         along = np.zeros(len(guess))
         along[-1] = sign
-        point = corrected(self.problem.evaluate, guess, along)
-        if point is None:
+        first = corrected(self.problem, guess, along)
+        if first is None:
             raise DivergenceError(
                 f"no periodic motion was found at {start.omega / (2 * np.pi):.4g} Hz and an amplitude of "
                 f"{start.amplitude:.4g}, where the curve is to begin; begin further from a resonance, or lower"
             )
         step, bend, ended = STEPS[1], np.zeros(0), ""
-        point = self._refined(point)
-        found = [self._kept(point)]
-        while len(found) < self.most_points:
+        found = self._refined(first)
+        point, kept = found.point, [self._kept(found)]
+        while len(kept) < self.most_points:
             ahead = self._ahead(point, step, bend)
             if ahead is None:
                 step *= 0.25
                 if step < STEPS[0]:
-                    ended = self._where(found[-1], "Newton's method finds no next point")
+                    ended = self._where(kept[-1], "Newton's method finds no next point")
                     break
                 continue
             bend = (ahead.direction - point.direction) / step
-            step = next_step(step, ahead.iterations)
-            point = self._refined(ahead)
-            found.append(self._kept(point))
-            at = found[-1].motion
-            if not self.problem.span.holds(at.omega, at.amplitude):
+            step = next_step(step, ahead.contraction)
+            found = self._refined(ahead)
+            kept.append(self._kept(found))
+            omega, amplitude = found.motion.omega, found.motion.amplitude
+            if not self.problem.span.holds(omega, amplitude):
                 break
-            progress(f"{at.omega / (2 * np.pi):.3f} Hz, {self.problem.equations.n_harmonics} harmonics")
-            point = self._eased(point, found[-1])
+            progress(f"{omega / (2 * np.pi):.3f} Hz, {self.problem.equations.n_harmonics} harmonics")
+            point = self._eased(found)
         else:
-            ended = self._where(found[-1], f"{self.most_points} points are the most that were allowed")
-        return self._curve(found, ended)
+            ended = self._where(kept[-1], f"{self.most_points} points are the most that were allowed")
+        return self._curve(kept, ended)
 
-    def _ahead(self, point: Point[Balance], step: float, bend: FloatArray) -> Point[Balance] | None:
+    def _ahead(self, point: Point, step: float, bend: FloatArray) -> Point | None:
         """The next point, unless it is not found or the curve turns too sharply on the way.
 
         Args:
@@ -102,81 +112,73 @@ class Follower:
         guess = point.u + step * point.direction
         if len(bend) == len(guess):
             guess += 0.5 * step**2 * bend
-        ahead = corrected(self.problem.evaluate, guess, point.direction)
+        ahead = corrected(self.problem, guess, point.direction, is_patient=step <= CORNER)
         if ahead is None:
             return None
         turn = float(ahead.direction @ point.direction)
         return ahead if turn > (SHARPEST_TURN if step > CORNER else 0.0) else None
 
-    def _refined(self, point: Point[Balance]) -> Point[Balance]:
+    def _refined(self, point: Point) -> _Found:
         """The same point with as many harmonics as the accuracy asks for."""
-        while self._left_out(point) > self.accuracy and self.problem.equations.n_harmonics < HARMONICS[-1]:
+        found = self._found(point, self.problem)
+        while found.left_out > self.accuracy and self.problem.equations.n_harmonics < HARMONICS[-1]:
             more = HARMONICS[HARMONICS.index(self.problem.equations.n_harmonics) + 1]
-            finer, guess = self._with_harmonics(point, more)
-            better = corrected(finer.evaluate, guess.u, guess.direction)
+            finer, guess = self._with_harmonics(found.point, more)
+            better = corrected(finer, guess.u, guess.direction)
             if better is None:
                 break
-            self.problem, point = finer, better
-        return point
+            self.problem, found = finer, self._found(better, finer)
+        return found
 
-    def _eased(self, point: Point[Balance], found: _Found) -> Point[Balance]:
+    def _eased(self, found: _Found) -> Point:
         """The same point with fewer harmonics where these are far better than asked for."""
         n = self.problem.equations.n_harmonics
         if n == HARMONICS[0]:
-            return point
+            return found.point
         fewer = HARMONICS[HARMONICS.index(n) - 1]
         x = found.motion.x
         if SPARE * np.linalg.norm(x[:, fewer + 1 :]) > self.accuracy * np.linalg.norm(x[:, 1:]):
-            return point
-        self.problem, point = self._with_harmonics(point, fewer)
+            return found.point
+        self.problem, point = self._with_harmonics(found.point, fewer)
         return point
 
-    def _with_harmonics(self, point: Point[Balance], n: int) -> tuple[Problem, Point[Balance]]:
+    def _with_harmonics(self, point: Point, n: int) -> tuple[Problem, Point]:
         """Problem and point with another number of harmonics."""
         old, new = self.problem, self.problem.with_harmonics(n)
         u = new.point(old.motion(point.u))
         turned = new.equations.packed(resized(old.equations.unpacked(point.direction[: -new.n_free]), n))
         direction = np.append(turned, point.direction[-new.n_free :])
-        return new, Point(u, direction / np.linalg.norm(direction), point.iterations, point.seen)
+        return new, Point(u, direction / np.linalg.norm(direction), point.contraction)
 
-    def _left_out(self, point: Point[Balance]) -> float:
-        """Motion in the harmonics after the last, as the forces of this motion cause it, over that in those kept."""
-        equations, motion = self.problem.equations, self.problem.motion(point.u)
-        kept = equations.n_harmonics + 1
-        force = self._pushed(point.seen)[:, kept : 2 * kept]
-        turn = 1j * motion.omega * np.arange(kept, kept + force.shape[1])
-        moved = equations.receptance.at(turn)[:, :, :-1] @ force.T[:, :, None]
-        return float(np.linalg.norm(moved) / np.linalg.norm(motion.x[:, 1:]))
+    def _found(self, point: Point, problem: Problem) -> _Found:
+        """A point with the share of its motion that harmonics after the last would have."""
+        motion, moved = problem.motion(point.u), problem.over_period(point.u)
+        pushed, n = np.fft.rfft(moved.forces, axis=1, norm="forward"), motion.x.shape[1]
+        turn = 1j * motion.omega * np.arange(n, 2 * n)
+        beyond = problem.equations.receptance.at(turn)[:, :, :-1] @ pushed[:, n : 2 * n].T[:, :, None]
+        left_out = float(np.linalg.norm(beyond) / np.linalg.norm(motion.x[:, 1:]))
+        return _Found(point, motion, moved, pushed[:, :n], left_out)
 
-    def _kept(self, point: Point[Balance]) -> _Found:
-        motion, balance = self.problem.motion(point.u), point.seen
-        largest: float = np.nan
-        loss: Loss = ""
-        if self.judged:
-            stability = stability_of(self.problem.equations, motion.omega, balance)
-            largest, loss = stability.largest, stability.loss
-        pushed = self._pushed(balance)[:, : motion.x.shape[1]]
-        return _Found(motion, pushed, self._left_out(point), largest, loss)
+    def _kept(self, found: _Found) -> _Kept:
+        model, omega = self.problem.equations.model, found.motion.omega
+        stability = stability_of(model, omega, found.moved) if self.judged else Stability(np.nan, "")
+        return _Kept(found.motion, found.forces, found.left_out, stability)
 
     @staticmethod
-    def _pushed(balance: Balance) -> ComplexArray:
-        return np.asarray(np.fft.rfft(balance.forces, axis=1, norm="forward"))
-
-    @staticmethod
-    def _where(found: _Found, why: str) -> str:
-        at = found.motion
+    def _where(kept: _Kept, why: str) -> str:
+        at = kept.motion
         return f"the curve ends at {at.omega / (2 * np.pi):.4g} Hz and an amplitude of {at.amplitude:.4g}: {why}"
 
-    def _curve(self, found: list[_Found], ended: str) -> PeriodicCurve:
-        most = max(one.motion.x.shape[1] for one in found) - 1
+    def _curve(self, kept: list[_Kept], ended: str) -> PeriodicCurve:
+        most = max(one.motion.x.shape[1] for one in kept) - 1
         return PeriodicCurve(
             model=self.problem.equations.model,
-            freqs=np.array([one.motion.omega for one in found]) / (2.0 * np.pi),
-            amplitudes=np.array([one.motion.amplitude for one in found]),
-            motion=np.stack([resized(one.motion.x, most) for one in found]),
-            forces=np.stack([resized(one.forces, most) for one in found]),
-            left_out=np.array([one.left_out for one in found]),
-            largest_multiplier=np.array([one.largest for one in found]),
-            losses=tuple(one.loss for one in found),
+            freqs=np.array([one.motion.omega for one in kept]) / (2.0 * np.pi),
+            amplitudes=np.array([one.motion.amplitude for one in kept]),
+            motion=np.stack([resized(one.motion.x, most) for one in kept]),
+            forces=np.stack([resized(one.forces, most) for one in kept]),
+            left_out=np.array([one.left_out for one in kept]),
+            largest_multiplier=np.array([one.stability.largest for one in kept]),
+            losses=tuple(one.stability.loss for one in kept),
             ended=ended,
         )

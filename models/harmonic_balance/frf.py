@@ -1,7 +1,7 @@
 """The nonlinear FRF: all periodic motions under a sine of one amplitude, while its frequency goes through a band."""
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,6 +20,9 @@ ACCURACY = 1e-3
 
 MOST_POINTS = 5000
 """Of one curve."""
+
+APART = 0.05
+"""Difference of first harmonics over their size beyond which two motions are two; one step of a curve bends less."""
 
 SURVEYED = 400
 """Frequencies at which the linearised model tells how far the ports move."""
@@ -55,6 +58,58 @@ def nonlinear_frf(
             nothing drives.
         DivergenceError: no periodic motion was found at the end where the curve is to begin.
     """
+    begun = _begun(plant, amplitude, band, highest, accuracy, downwards=downwards, progress=progress)
+    follower = Follower(replace(begun.problem, omega=None), accuracy, judge_stability, MOST_POINTS)
+    sign = -1.0 if downwards else 1.0
+    curve = follower.follow(begun.motion, progress, sign)
+    if not curve.ended and sign * (2.0 * np.pi * curve.freqs[-1] - begun.motion.omega) < 0.0:
+        return replace(curve, ended=f"the curve folds back and leaves the band at {curve.freqs[-1]:.4g} Hz, as it came")
+    return curve
+
+
+def from_both_ends(
+    plant: Plant,
+    amplitude: float,
+    band: tuple[float, float],
+    highest: float,
+    progress: Callable[[str], None] = lambda _: None,
+) -> tuple[PeriodicCurve, ...]:
+    """The curve from the lower end of a band and, where motion from rest at the upper one is another, that from there.
+
+    Args:
+        plant: as for ``nonlinear_frf``, which raises what this does.
+        amplitude: of the sine.
+        band: Hz.
+        highest: frequency up to which modes follow the motion, Hz.
+        progress: told why the curve is followed from the upper end too.
+    """
+    up = nonlinear_frf(plant, amplitude, band, highest)
+    why = up.ended or _other_motion(up, _begun(plant, amplitude, band, highest, ACCURACY, downwards=True).motion)
+    if not why:
+        return (up,)
+    progress(f"{amplitude:g}: {why}; following it from {band[1]:g} Hz down")
+    return up, nonlinear_frf(plant, amplitude, band, highest, downwards=True)
+
+
+@dataclass(frozen=True, eq=False)
+class _Begun:
+    """Where a curve begins, in the equations that were needed to get there."""
+
+    problem: Problem
+    motion: Motion
+
+
+def _begun(
+    plant: Plant,
+    amplitude: float,
+    band: tuple[float, float],
+    highest: float,
+    accuracy: float,
+    *,
+    downwards: bool,
+    progress: Callable[[str], None] = lambda _: None,
+) -> _Begun:
+    """Motion at one end of a band, reached from small motion as the amplitude grows: where a test would begin."""
     low, high = (2.0 * np.pi * freq for freq in band)
     model = build_modal(plant, highest)
     if not model.ports:
@@ -68,7 +123,6 @@ def nonlinear_frf(
     span = Span(low, high, amplitude * float(np.abs(first).max()), amplitude)
     x = np.zeros((len(model.ports), HARMONICS[0] + 1), complex)
     x[:, 1] = 0.5 * LEAST_SHARE * amplitude * first[-1 if downwards else 0]
-    # From small motion the amplitude grows at the first frequency, so that the curve begins where a test would.
     ramp = Follower(Problem(equations, span, omega=begin), accuracy, judged=False, most_points=MOST_POINTS)
     risen = ramp.follow(Motion(x, begin, LEAST_SHARE * amplitude), progress)
     if risen.ended:
@@ -76,35 +130,16 @@ def nonlinear_frf(
             f"no periodic motion was found at {begin / (2 * np.pi):g} Hz and an amplitude of {amplitude:g}, where the "
             f"curve is to begin: {risen.ended}; begin further from a resonance, or lower"
         )
-    follower = Follower(replace(ramp.problem, omega=None), accuracy, judge_stability, MOST_POINTS)
-    sign = -1.0 if downwards else 1.0
-    curve = follower.follow(Motion(risen.motion[-1], begin, amplitude), progress, sign)
-    if not curve.ended and sign * (2.0 * np.pi * curve.freqs[-1] - begin) < 0.0:
-        return replace(curve, ended=f"the curve folds back and leaves the band at {curve.freqs[-1]:.4g} Hz, as it came")
-    return curve
+    return _Begun(ramp.problem, Motion(risen.motion[-1], begin, amplitude))
 
 
-def from_both_ends(
-    plant: Plant,
-    amplitude: float,
-    band: tuple[float, float],
-    highest: float,
-    progress: Callable[[str], None] = lambda _: None,
-) -> tuple[PeriodicCurve, ...]:
-    """The curve from the lower end of a band and, where it does not reach the upper one, that from there too.
-
-    Args:
-        plant: as for ``nonlinear_frf``, which raises what this does.
-        amplitude: of the sine.
-        band: Hz.
-        highest: frequency up to which modes follow the motion, Hz.
-        progress: told where the curve ends before the band does.
-    """
-    up = nonlinear_frf(plant, amplitude, band, highest)
-    if not up.ended:
-        return (up,)
-    progress(f"{amplitude:g}: {up.ended}; following it from {band[1]:g} Hz down")
-    return up, nonlinear_frf(plant, amplitude, band, highest, downwards=True)
+def _other_motion(up: PeriodicCurve, motion: Motion) -> str:
+    """In words, that a motion at the upper end is not the one at which the curve arrives; empty if it is."""
+    before, after = 2.0 * np.pi * up.freqs[-2:]
+    part = (motion.omega - before) / (after - before)
+    arrives = (1.0 - part) * up.motion[-2, :, 1] + part * up.motion[-1, :, 1]
+    apart = np.linalg.norm(motion.x[:, 1] - arrives) / np.linalg.norm(arrives)
+    return "from rest another motion is reached at the upper end" if apart > APART else ""
 
 
 LEAST_SHARE = 1e-3

@@ -1,11 +1,12 @@
 """The problem whose solutions are a curve: the equations, what is held, what is free, and the units of a step."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
-from models.arrays import ComplexArray, FloatArray
-from models.harmonic_balance.equations import Balance, Equations
+from models.arrays import ComplexArray, FloatArray, IntArray
+from models.harmonic_balance.equations import Equations, OverPeriod
 
 
 @dataclass(frozen=True)
@@ -87,33 +88,60 @@ class Problem:
 
     def motion(self, u: FloatArray) -> Motion:
         """The motion of a point."""
-        n = self.equations.n_unknowns
-        x, omega, amplitude = self.equations.unpacked(u[:n] * self.span.length), self.omega, self.span.amplitude
-        if omega is None:
-            return Motion(x, float(u[n]) * self._unit, amplitude * float(u[n + 1]) if self.quadrature else amplitude)
-        return Motion(x, omega, amplitude * float(u[n]))
+        return Motion(self.equations.unpacked(self._motion(u)), *self._free(u))
 
-    def evaluate(self, u: FloatArray) -> tuple[FloatArray, FloatArray, Balance]:
-        """(m,) residual, (m, m + 1) slopes and the forces over the period."""
-        motion, length = self.motion(u), self.span.length
-        balance = self.equations.balance(motion.x, motion.omega, motion.amplitude)
-        residual = self.equations.packed(balance.residual) / length
-        slopes = [balance.by_x]
-        if self.omega is None:
-            slopes.append(balance.by_omega[:, None] * (self._unit / length))
-        if self.omega is not None or self.quadrature is not None:
-            slopes.append(balance.by_amplitude[:, None] * (self.span.amplitude / length))
-        slope = np.hstack(slopes)
-        if self.quadrature is None:
-            return residual, slope, balance
-        first = self.quadrature.port * (2 * self.equations.n_harmonics + 1) + 1
-        row = np.zeros(slope.shape[1])
-        row[first], row[first + self.equations.n_harmonics] = self.quadrature.given.real, self.quadrature.given.imag
-        return np.append(residual, row @ u), np.vstack([slope, row]), balance
+    def residual(self, u: FloatArray) -> FloatArray:
+        """(m,) what is left of the equations at a point."""
+        omega, amplitude = self._free(u)
+        residual = self.equations.residual(self._motion(u), omega, amplitude) / self.span.length
+        return residual if self.quadrature is None else np.append(residual, self._phase_row @ u)
+
+    def slopes(self, u: FloatArray) -> FloatArray:
+        """(m, m + 1) slopes of what is left."""
+        slopes = self.equations.slopes(self._motion(u), *self._free(u))[:, self._columns] * self._scales
+        return slopes if self.quadrature is None else np.vstack([slopes, self._phase_row])
+
+    def over_period(self, u: FloatArray) -> OverPeriod:
+        """The forces at a point and their slopes."""
+        return self.equations.over_period(self._motion(u), *self._free(u))
 
     def with_harmonics(self, n: int) -> "Problem":
         """The same with another number of harmonics."""
         return replace(self, equations=replace(self.equations, n_harmonics=n))
+
+    def _motion(self, u: FloatArray) -> FloatArray:
+        """(n,) of the ports, m."""
+        return u[: self.equations.n_unknowns] * self.span.length
+
+    def _free(self, u: FloatArray) -> tuple[float, float]:
+        """Frequency, rad/s, and amplitude of a point."""
+        n, amplitude = self.equations.n_unknowns, self.span.amplitude
+        if self.omega is not None:
+            return self.omega, amplitude * float(u[n])
+        return float(u[n]) * self._unit, amplitude * float(u[n + 1]) if self.quadrature is not None else amplitude
+
+    @cached_property
+    def _columns(self) -> slice | IntArray:
+        """Slopes over what is free: the motion, and frequency, amplitude or both."""
+        n = self.equations.n_unknowns
+        if self.omega is not None:
+            return np.array([*range(n), n + 1])
+        return slice(None) if self.quadrature is not None else slice(n + 1)
+
+    @cached_property
+    def _scales(self) -> FloatArray:
+        """(m + 1,) of the slopes' columns in the curve's units."""
+        free = np.array([self._unit, self.span.amplitude]) / self.span.length
+        return np.concatenate([np.ones(self.equations.n_unknowns), free])[self._columns]
+
+    @cached_property
+    def _phase_row(self) -> FloatArray:
+        """(m + 1,) slopes of the condition of phase resonance, which is linear."""
+        assert self.quadrature is not None
+        row = np.zeros(self.equations.n_unknowns + 2)
+        first = self.quadrature.port * (2 * self.equations.n_harmonics + 1) + 1
+        row[first], row[first + 1] = self.quadrature.given.real, self.quadrature.given.imag
+        return row
 
     @property
     def _unit(self) -> float:

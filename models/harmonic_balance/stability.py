@@ -11,9 +11,9 @@ import numpy as np
 
 from models.arrays import FloatArray
 from models.compiled import compiled
-from models.harmonic_balance.equations import Balance, Equations
+from models.harmonic_balance.equations import OverPeriod
 from models.modal import ModalModel
-from models.propagator import exponentials, to_blocks
+from models.propagator import to_blocks
 
 Loss = Literal["", "fold", "period doubling", "torus"]
 """How stability is lost: by a multiplier beyond +1, beyond -1, or by a pair beyond the unit circle; empty if stable."""
@@ -23,6 +23,10 @@ ROUND_OFF = 1e-6
 
 NEARLY_REAL = 1e-6
 """Imaginary part of a multiplier over its size below which it counts as real."""
+
+
+ALIKE = 1e-8
+"""Half the difference of two eigenvalues times the step below which they count as one; round-off is its square."""
 
 
 @dataclass(frozen=True)
@@ -38,17 +42,17 @@ class Stability:
     loss: Loss
 
 
-def stability_of(equations: Equations, omega: float, balance: Balance) -> Stability:
+def stability_of(model: ModalModel, omega: float, moved: OverPeriod) -> Stability:
     """From the slopes of the forces over the period.
 
     Args:
-        equations: of the motion.
+        model: that moves.
         omega: rad/s.
-        balance: at the motion.
+        moved: the motion's forces and their slopes.
     """
-    blocks, push, see_q, see_v = _real_form(equations.model)
-    h = 2.0 * np.pi / (omega * equations.n_samples)
-    turned = monodromy(exponentials(blocks * h), push * h, see_q, see_v, balance.by_q, balance.by_v)
+    blocks, push, see_q, see_v = _real_form(model)
+    h = 2.0 * np.pi / (omega * moved.by_q.shape[1])
+    turned = monodromy(_exponentials(blocks * h), push * h, see_q, see_v, moved.by_q, moved.by_v)
     multipliers = np.linalg.eigvals(turned)
     worst = multipliers[np.abs(multipliers).argmax()]
     return Stability(float(np.abs(worst)), _loss(complex(worst)))
@@ -63,6 +67,17 @@ def _real_form(model: ModalModel) -> tuple[FloatArray, FloatArray, FloatArray, F
     seen = (system.displacement(rows)[:, busy], system.velocity(rows)[:, busy])
     see_q, see_v = (np.ascontiguousarray(one) for one in seen)
     return system.blocks[: model.n], np.ascontiguousarray(system.inputs[busy]), see_q, see_v
+
+
+def _exponentials(blocks: FloatArray) -> FloatArray:
+    """(n, 2, 2) of 2 x 2 matrices B: exp(m) (cosh(d) + (B - m) sinh(d) / d), m half the trace, d^2 = m^2 - det B."""
+    mean = 0.5 * (blocks[:, 0, 0] + blocks[:, 1, 1])
+    apart = blocks - mean[:, None, None] * np.eye(2)
+    spread = np.sqrt((mean**2 - np.linalg.det(blocks)).astype(complex))
+    same = np.abs(spread) < ALIKE
+    level = np.exp(mean) * np.cosh(spread).real
+    slope = np.exp(mean) * np.where(same, 1.0, np.sinh(spread) / np.where(same, 1.0, spread)).real
+    return np.asarray(level[:, None, None] * np.eye(2) + slope[:, None, None] * apart)
 
 
 def _loss(worst: complex) -> Loss:
@@ -100,11 +115,11 @@ def monodromy(  # noqa: C901 loops written out run three times as fast as sums o
             if kq == 0.0 and kv == 0.0:
                 continue
             seen[:] = 0.0
-            for m in range(2 * n):
-                read = kq * see_q[i, m] + kv * see_v[i, m]
-                if read != 0.0:
-                    for c in range(2 * n):
-                        seen[c] += read * state[m, c]
+            for m in range(n):
+                first = kq * see_q[i, m] + kv * see_v[i, m]
+                second = kq * see_q[i, n + m] + kv * see_v[i, n + m]
+                for c in range(2 * n):
+                    seen[c] += first * state[m, c] + second * state[n + m, c]
             for m in range(2 * n):
                 pushed = push[m, i]
                 if pushed != 0.0:
@@ -113,7 +128,7 @@ def monodromy(  # noqa: C901 loops written out run three times as fast as sums o
         for m in range(n):
             a, b, d, e = advance[m, 0, 0], advance[m, 0, 1], advance[m, 1, 0], advance[m, 1, 1]
             for c in range(2 * n):
-                first, second = state[m, c], state[n + m, c]
-                state[m, c] = a * first + b * second
-                state[n + m, c] = d * first + e * second
+                upper, lower = state[m, c], state[n + m, c]
+                state[m, c] = a * upper + b * lower
+                state[n + m, c] = d * upper + e * lower
     return state

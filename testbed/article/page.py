@@ -10,7 +10,6 @@ from testbed.article.bars import bars_of
 from testbed.article.compared import rows_of
 from testbed.article.judging import FOURTH
 from testbed.article.rig import CALIBRATED_AT, CLAMP_GROUP, DENSITY, DIAMETER, SLEEVES_AT, YOUNGS_MODULUS
-from testbed.article.sines import ENGINES
 from testbed.article.strikes import EXCITED, LEVELS
 from testbed.article.study import ArticleStudy
 from testbed.article.tables import (
@@ -364,8 +363,9 @@ def _sines(study: ArticleStudy) -> Iterator[str]:
     yield COMPARED
     yield ""
     heads = "clearance [mm] | force [N] | largest [m/s^2] | at [Hz] | unstable | compared at [Hz] | distortion"
-    yield f"| {heads} | begun on it | modal | MuJoCo | Exudyn |"
-    yield "|---|---|---|---|---|---|---|---|---|---|---|"
+    engines = _engines(study)
+    yield f"| {heads} | begun on it | {' | '.join(engines.values())} |"
+    yield "|---" * (8 + len(engines)) + "|"
     for row in study.sines:
         for level in row["levels"]:
             curve, check = level["curves"][0], level["check"]
@@ -374,9 +374,9 @@ def _sines(study: ArticleStudy) -> Iterator[str]:
             cells = [f"{MILLI * row['clearance']:g}", f"{level['amplitude']:g}", f"{curve['peak'][top]:.3g}"]
             cells += [f"{curve['frequency'][top]:.3f}", f"{unstable:.0%}"]
             if check is None:
-                cells += ["none is alone and settles within half a minute", "", "", "", "", ""]
+                cells += ["none is alone and settles within half a minute", *[""] * (2 + len(engines))]
             else:
-                errors = (check["errors"][engine] for engine in ENGINES)
+                errors = (check["errors"][engine] for engine in engines)
                 cells += [
                     f"{check['freq']:.3f}",
                     f"{check['distortion']:.0%}",
@@ -393,12 +393,20 @@ def _speed(study: ArticleStudy) -> Iterator[str]:
     checks = [level["check"] for level in levels if level["check"] is not None]
     if not checks:
         return
-    times = {engine: sum(check["seconds"][engine] for check in checks) / len(checks) / each for engine in ENGINES}
+    times = [
+        f"{sum(check['seconds'][engine] for check in checks) / len(checks) / each:.0f} times as long by {name}"
+        for engine, name in _engines(study).items()
+    ]
     yield (
-        f"A point of a curve with its stability takes {1e3 * each:.1f} ms; stepping {_mean(checks):.1f} s of motion to "
-        f"a steady state takes {times['modal']:.0f} times as long by our compiled stepper, {times['mujoco']:.0f} times "
-        f"by MuJoCo and {times['exudyn']:.0f} times by Exudyn, and shows no unstable motion."
+        f"A point of a curve with its stability takes {1e3 * each:.1f} ms of processor; stepping {_mean(checks):.1f} s "
+        f"of motion to a steady state takes {', '.join(times)}, and shows no unstable motion."
     )
+
+
+def _engines(study: ArticleStudy) -> dict[str, str]:
+    """Those that stepped the sines, by what they are called."""
+    called = {"modal": "our compiled stepper", "mujoco": "MuJoCo", "exudyn": "Exudyn"}
+    return {engine: called[engine] for engine in ("modal", *study.extent.judges)}
 
 
 def _mean(checks: list[Json]) -> float:

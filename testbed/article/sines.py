@@ -1,8 +1,9 @@
 """Sines through the first resonance at three levels: folds and backbones by harmonic balance, checked in time."""
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from math import ceil
-from time import perf_counter
+from time import process_time
 from typing import Any
 
 import numpy as np
@@ -24,9 +25,6 @@ AMPLITUDES = (1.0, 5.0, 20.0)
 
 THROUGH = (5.0, 14.0)
 """Hz, about the first resonance."""
-
-ENGINES = ("modal", "mujoco", "exudyn")
-"""That step the rig in time to the steady state."""
 
 FS, WATCHED, SPARE = 1024.0, 1.0, 0.25
 """Hz; s of steady state that are compared; s before the record's end that its filter spoils."""
@@ -51,7 +49,7 @@ class Check:
         stays: difference of the first harmonics over their size, all eight points together, of the modal model begun on
             the curve and stepped as long as the others.
         errors: the same per engine, begun at rest.
-        seconds: per engine, of processor until the motion is steady.
+        seconds: per engine, of processor until the motion is steady and has been watched.
         until_steady: s of motion.
     """
 
@@ -82,21 +80,22 @@ class Sines:
     check: Check | None
 
 
-def sines(geometry: Geometry, clearance: float, amplitude: float) -> Sines:
+def sines(geometry: Geometry, clearance: float, amplitude: float, engines: Sequence[str]) -> Sines:
     """Follow the curve and check one point of it.
 
     Args:
         geometry: of the rig.
         clearance: of both sleeves, m.
         amplitude: of the shaker's sine, N.
+        engines: that step the rig in time to the steady state.
 
     Raises:
         DivergenceError: no periodic motion was found at the lower frequency.
     """
-    plant, began = build_plant(geometry.rig(clearance, "force")), perf_counter()
+    plant, began = build_plant(geometry.rig(clearance, "force")), process_time()
     curves = from_both_ends(plant, amplitude, THROUGH, MODES_UP_TO)
-    seconds = perf_counter() - began
-    return Sines(clearance, amplitude, curves, seconds, _checked(plant, amplitude, curves[0]))
+    seconds = process_time() - began
+    return Sines(clearance, amplitude, curves, seconds, _checked(plant, amplitude, curves, engines))
 
 
 def sines_json(found: Sines) -> Json:
@@ -140,15 +139,18 @@ def spine(geometry: Geometry, clearance: float) -> PeriodicCurve:
     return backbone(plant, TIP, AMPLITUDES[-1], THROUGH, MODES_UP_TO)
 
 
-def _checked(plant: Plant, amplitude: float, curve: PeriodicCurve) -> Check | None:
+def _checked(plant: Plant, amplitude: float, curves: Sequence[PeriodicCurve], engines: Sequence[str]) -> Check | None:
     """The most distorted motion that is alone at its frequency and settles, by all engines."""
     names = [sensor.name for sensor in plant.sensors]
+    curve, *others = curves
     if curve.ended:
         return None
     read = curve.read(names)
     tip = read[:, names.index(TIP)]
     distortion = np.linalg.norm(tip[:, 2:], axis=1) / np.abs(tip[:, 1])
     alone = np.array([_is_alone(curve.freqs, freq) for freq in curve.freqs])
+    for other in others:
+        alone &= (curve.freqs < other.freqs.min()) | (curve.freqs > other.freqs.max())
     fit = alone & (curve.largest_multiplier < LARGEST_MULTIPLIER)
     fit[[0, -1]] = False
     if not fit.any():
@@ -159,14 +161,18 @@ def _checked(plant: Plant, amplitude: float, curve: PeriodicCurve) -> Check | No
     if until is None:
         return None
     first, errors, seconds = read[point, :, 1], {}, {}
-    for engine in ENGINES:
-        began = perf_counter()
-        (stepped,) = _stepped(engine, plant, amplitude, freq, [until])
-        seconds[engine] = perf_counter() - began
-        errors[engine] = float(np.linalg.norm(stepped - first) / np.linalg.norm(first))
-    (begun,) = _stepped("modal", plant, amplitude, freq, [until], curve.states()[point])
-    stays = float(np.linalg.norm(begun - first) / np.linalg.norm(first))
-    return Check(freq, float(distortion[point]), stays, errors, seconds, until)
+    for engine in engines:
+        began = process_time()
+        channels = _stepped(engine, plant, amplitude, freq, until)
+        seconds[engine] = process_time() - began
+        errors[engine] = _apart(_first_harmonics(channels, freq, [until])[0], first)
+    begun = _first_harmonics(_stepped("modal", plant, amplitude, freq, until, curve.states()[point]), freq, [until])
+    return Check(freq, float(distortion[point]), _apart(begun[0], first), errors, seconds, until)
+
+
+def _apart(found: ComplexArray, expected: ComplexArray) -> float:
+    """Difference over size, all sensors together."""
+    return float(np.linalg.norm(found - expected) / np.linalg.norm(expected))
 
 
 def _is_alone(freqs: FloatArray, freq: float) -> bool:
@@ -178,25 +184,31 @@ def _is_alone(freqs: FloatArray, freq: float) -> bool:
 def _settling(plant: Plant, amplitude: float, freq: float) -> float | None:
     """S from rest until the modal model's motion is as at the end of a long test; None where it is not before."""
     begins = np.arange(1.0, LONGEST)
-    found = _stepped("modal", plant, amplitude, freq, begins.tolist())
+    found = _first_harmonics(_stepped("modal", plant, amplitude, freq, begins[-1]), freq, begins)
     apart = np.linalg.norm(found - found[-1], axis=1) > SETTLED * np.linalg.norm(found[-1])
     last = int(np.flatnonzero(apart)[-1]) if apart.any() else -1
     return None if last >= len(begins) // 2 else float(begins[last + 1])
 
 
 def _stepped(
-    engine: str, plant: Plant, amplitude: float, freq: float, begins: list[float], start: FloatArray | None = None
-) -> ComplexArray:
-    """(n, n_sensors) first harmonics, each over ``WATCHED`` seconds from a time on, s; from rest, or a modal state."""
-    time = np.arange(ceil((begins[-1] + WATCHED + SPARE) * FS)) / FS
+    engine: str, plant: Plant, amplitude: float, freq: float, until: float, start: FloatArray | None = None
+) -> FloatArray:
+    """(n_sensors, N) readings at ``FS`` until motion that is steady from a time on, s, has been watched.
+
+    From rest, or from a state of the modal model.
+    """
+    time = np.arange(ceil((until + WATCHED + SPARE) * FS)) / FS
     force = amplitude * np.cos(2.0 * np.pi * freq * time)
-    if start is None:
-        channels = simulator(engine).run(plant, Trial(FS, force), Resolution()).channels
-    else:
-        names = tuple(sensor.name for sensor in plant.sensors)
-        record = Record("sine", FS, force, names, np.zeros((len(names), len(time))))
-        channels = simulate(plant, record, start=start).channels
-    orders = range(1, int(0.4 * FS / freq) + 1)
+    if engine != "modal":
+        return simulator(engine).run(plant, Trial(FS, force), Resolution()).channels
+    names = tuple(sensor.name for sensor in plant.sensors)
+    record = Record("sine", FS, force, names, np.zeros((len(names), len(time))))
+    return simulate(plant, record, start=start).channels
+
+
+def _first_harmonics(channels: FloatArray, freq: float, begins: Sequence[float] | FloatArray) -> ComplexArray:
+    """(n, n_sensors) of readings, each over ``WATCHED`` seconds from a time on, s."""
+    time, orders = np.arange(channels.shape[1]) / FS, range(1, int(0.4 * FS / freq) + 1)
     rows = []
     for begin in begins:
         seen = (time >= begin) & (time < begin + WATCHED)

@@ -184,7 +184,7 @@ def posterior(motion: SmallMotion, given: Rig, modes: TappedModes, course: Float
     sampler = emcee.EnsembleSampler(WALKERS, len(NUMBERS), log_density, vectorize=True, moves=moves)
     sampler.random_state = np.random.RandomState(SEED).get_state()
     sampler.run_mcmc(np.random.default_rng(SEED).standard_normal((WALKERS, len(NUMBERS))) * 0.3, STEPS)
-    forgotten = float(np.max(sampler.get_autocorr_time(discard=BURNT, quiet=True)))
+    forgotten = float(np.max(sampler.get_autocorr_time(discard=BURNT, tol=0)))
     chain = sampler.get_chain(discard=BURNT, thin=max(ceil(0.5 * forgotten), 1), flat=True)
     chosen = chain[np.random.default_rng([SEED, 9]).choice(len(chain), min(n, len(chain)), replace=False)]
     worth = min(len(chosen), WALKERS * (STEPS - BURNT) / forgotten)

@@ -40,20 +40,36 @@ def some_motion(equations, size=2e-4):
 @pytest.mark.parametrize("quantity", ["force", "base_acceleration", "base_velocity", "base_displacement"])
 def test_slopes_are_those_of_the_residual(quantity):
     equations = equations_of(sleeved(9.81, quantity), FRICTION)
-    x, omega, amplitude = some_motion(equations), 61.0, {"base_displacement": 1e-3}.get(quantity, 2.0)
-    balance, y = equations.balance(x, omega, amplitude), equations.packed(x)
+    y, omega, amplitude = equations.packed(some_motion(equations)), 61.0, {"base_displacement": 1e-3}.get(quantity, 2.0)
+    slopes = equations.slopes(y, omega, amplitude)
 
     def residual(y, omega=omega, amplitude=amplitude):
-        return equations.packed(equations.balance(equations.unpacked(y), omega, amplitude).residual)
+        return equations.residual(y, omega, amplitude)
 
     nudge = 1e-8
     found = np.column_stack([(residual(y + d) - residual(y - d)) / (2 * nudge) for d in nudge * np.eye(len(y))])
-    assert balance.by_x == pytest.approx(found, abs=1e-3 * np.abs(found).max())  # a kink may lie within the nudge
+    assert slopes[:, :-2] == pytest.approx(found, abs=1e-3 * np.abs(found).max())  # a kink may lie within the nudge
     turned = (residual(y, omega=omega + 1e-4) - residual(y, omega=omega - 1e-4)) / 2e-4
-    assert balance.by_omega == pytest.approx(turned, abs=3e-3 * np.abs(turned).max())  # of a sample's own length
+    assert slopes[:, -2] == pytest.approx(turned, abs=3e-3 * np.abs(turned).max())  # of a sample's own length
     nudge = 1e-5 * amplitude
     louder = (residual(y, amplitude=amplitude + nudge) - residual(y, amplitude=amplitude - nudge)) / (2 * nudge)
-    assert balance.by_amplitude == pytest.approx(louder, abs=1e-3 * np.abs(louder).max())
+    assert slopes[:, -1] == pytest.approx(louder, abs=1e-3 * np.abs(louder).max())
+
+
+@pytest.mark.parametrize("quantity", ["force", "base_displacement"])
+def test_the_residual_is_motion_less_what_its_forces_make_of_it(quantity):
+    """Written out with numpy's transform and the receptances as matrices of complex numbers."""
+    equations = equations_of(sleeved(9.81, quantity), FRICTION)
+    x, omega, amplitude = some_motion(equations), 61.0, {"base_displacement": 1e-3}.get(quantity, 2.0)
+    drive, y = equations.drive, equations.packed(x)
+    over = equations.over_period(y, omega, amplitude)
+    kept = equations.n_harmonics + 1
+    load = np.zeros((kept, len(x) + 1), complex)
+    load[:, :-1] = np.fft.rfft(over.forces, axis=1, norm="forward").T[:kept]
+    load[1, -1] = 0.5 * amplitude * drive.input_at(omega)
+    moved = np.einsum("koi,ki->ok", equations.receptance.at(1j * omega * np.arange(kept)), load)
+    left = equations.packed(x - moved)
+    assert equations.residual(y, omega, amplitude) == pytest.approx(left, abs=1e-12 * np.abs(left).max())
 
 
 def test_packing_loses_nothing():
@@ -64,9 +80,8 @@ def test_packing_loses_nothing():
 
 def test_at_rest_nothing_is_left_over():
     equations = equations_of(SLEEVED)
-    x = np.zeros((len(equations.model.ports), equations.n_harmonics + 1), complex)
-    balance = equations.balance(x, 60.0, 0.0)
-    assert np.abs(balance.residual).max() < 1e-12  # m; the rest is found to 1e-13
+    residual = equations.residual(np.zeros(equations.n_unknowns), 60.0, 0.0)
+    assert np.abs(residual).max() < 1e-12  # m; the rest is found to 1e-13
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,6 @@
 
 import json
 import re
-from dataclasses import asdict, replace
 from itertools import pairwise
 
 import numpy as np
@@ -13,11 +12,9 @@ from testbed.article.compared import JUDGED, PERFECT
 from testbed.article.published import published
 from testbed.article.rig import CALIBRATED_AT, SLEEVES_AT, Geometry, at_rest, calibrated, natural_freqs
 from testbed.article.sines import AMPLITUDES
-from testbed.article.sines_run import _kept
 from testbed.article.strikes import strikes
 from testbed.article.study import DRIVES
 from testbed.cli.app import main
-from testbed.outputs import keep_json
 
 MEASURED = next(test.measured_freqs for test in published() if test.clearance == CALIBRATED_AT)
 
@@ -142,11 +139,3 @@ def assert_models_are_judged_and_used(content):
     assert min(content["probability"]["difference"]["inside"]) == 1.0
     assert content["probability"]["emulator"]["error"] < 0.15
     assert content["models"]["0.0005"]["diagnosis"]["verdict"] in {"missing_effect", "unexplained"}
-
-
-def test_a_test_kept_for_another_rig_is_made_again(tmp_path, geometry):
-    path = tmp_path / "kept.json"
-    keep_json(path, {"geometry": asdict(geometry)})
-    assert _kept(path, geometry) is not None
-    assert _kept(path, replace(geometry, length=1.01 * geometry.length)) is None
-    assert _kept(tmp_path / "none.json", geometry) is None
