@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from identification.calibrate import strained
 from identification.evidence import (
     LEAST_EVIDENCE,
     Ranked,
@@ -43,9 +42,9 @@ PREDICTS, LARGE_UNSEEN = 0.98, 2.0
 predicted any more, neither with it nor without."""
 
 
-def is_enough(result: Fit) -> bool:
+def is_enough(session: Session, result: Fit) -> bool:
     """The noise is reached; without an effect, with every number within its tolerance."""
-    return result.ratio <= NOISE_REACHED and (bool(result.hypothesis.effects) or not strained(result))
+    return result.ratio <= NOISE_REACHED and (bool(result.hypothesis.effects) or not session.left_tolerance(result))
 
 
 def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | None:
@@ -59,7 +58,9 @@ def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
     name = best.effect.label()
     least = LATER_SHARE if base.hypothesis.effects and best.fit.ratio > NOISE_NEAR else LEAST_SHARE
     if odds < LEAST_EVIDENCE or (base.ratio > NOISE_REACHED and share < least):
-        session.decide(f"{name} is the best of the library, but takes away only {share:.0%} of the misfit: not added")
+        little = base.ratio > NOISE_REACHED and share < least
+        why = f"takes away only {share:.0%} of the misfit" if little else "the records hardly speak for it"
+        session.decide(f"{name} is the best of the library, but {why}: not added")
         return None
     if _is_passing(session, base, best):
         return None
@@ -99,9 +100,11 @@ def pruned(session: Session, calibrated: Fit, found: Fit) -> list[tuple[int, Fit
     while index < len(found.hypothesis.effects) - 1:
         less = fit_without(session, calibrated, found, index)
         scale = misfit_of(found)
-        if less is not None and (is_enough(less) or log_fit(found, scale) - log_fit(less, scale) < LEAST_EVIDENCE):
+        if less is not None and (
+            is_enough(session, less) or log_fit(found, scale) - log_fit(less, scale) < LEAST_EVIDENCE
+        ):
             gone, last = found.hypothesis.effects[index].label(), found.hypothesis.effects[-1].label()
-            why = "the noise is reached without it" if is_enough(less) else "it explains nothing more"
+            why = "the noise is reached without it" if is_enough(session, less) else "it explains nothing more"
             session.decide(f"{gone} taken out again: beside {last} {why}")
             taken.append((index, less))
             found = less
@@ -166,11 +169,11 @@ def verdict_of(session: Session, calibrated: Fit, final: Fit, *, searched: bool)
         searched: whether effects were looked for.
     """
     if not final.hypothesis.effects:
-        if not searched or (calibrated.ratio <= NOISE_DOUBTED and not strained(calibrated)):
+        if not searched or (calibrated.ratio <= NOISE_DOUBTED and not session.left_tolerance(calibrated)):
             motion = "" if session.everything.timed else " for small motion about rest"
             session.decide(f"complete: the calibrated model reaches the noise{motion}")
             return "complete"
-        if session.is_passing and not strained(calibrated):
+        if session.is_passing and not session.left_tolerance(calibrated):
             session.decide("complete: the calibrated model reaches the noise but for an event that passes")
             return "complete"
         session.decide("unexplained: nothing in the library explains what is left")

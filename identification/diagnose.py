@@ -81,9 +81,9 @@ def diagnose(
     chain: list[Fit] = [base]
     rounds: list[list[Ranked]] = []
     for _ in range(MOST_ROUNDS):
-        if is_enough(chain[-1]) and session.lengthen(chain[-1]):
+        if is_enough(session, chain[-1]) and session.lengthen(chain[-1]):
             chain, rounds = session.all_again(chain, rounds)
-        if len(chain[-1].hypothesis.effects) >= most_effects or is_enough(chain[-1]):
+        if len(chain[-1].hypothesis.effects) >= most_effects or is_enough(session, chain[-1]):
             break
         ranked, better = look_round(session, chain[-1])
         if better is not None and not chain[-1].hypothesis.effects:
@@ -91,7 +91,7 @@ def diagnose(
             learnt = session.relearn(better)
             chain = [learnt]
             stages[-1] = session.stage("calibrated", learnt.hypothesis)
-            if is_enough(learnt):
+            if is_enough(session, learnt):
                 continue
             if learnt is not better:
                 ranked, _ = look_round(session, learnt)

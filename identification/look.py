@@ -6,11 +6,13 @@ records, since a calibration without the missing effect pulls the numbers to whe
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from identification.calibrate import Windows, beginning, concerning, put_back
 from identification.evaluate import Evaluator
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis
+from identification.lines import Lines, lines_left
 from identification.progress import Progress
 from identification.scene import GRID
 from identification.screen import Projection, Suspect, promising, screen, survey
@@ -46,6 +48,11 @@ class View:
         """Kinds that act over the length of a record, which its beginning does not show."""
         return any(kind.family == "time" for kind in self.registry.values())
 
+    @cached_property
+    def lines(self) -> Lines:
+        """Single lines that the calibrated model leaves; the beginning of the records would not tell them apart."""
+        return lines_left(self.evaluator, self.there.hypothesis)
+
 
 def beside(view: View, base: Fit, progress: Progress) -> list[Sketch]:
     """Sketches of what could take most away beyond the rig's numbers.
@@ -70,7 +77,8 @@ def beside(view: View, base: Fit, progress: Progress) -> list[Sketch]:
         starts = [start] if back is start else [start, back]
         return sketched_from_calibrated(evaluator, there, starts, effects, registry, lasting=view.is_lasting)
     (share, seconds), bare = telling
-    found = survey(beginning(evaluator, share, seconds), bare, registry, progress, channels=view.channels)
+    short = beginning(evaluator, share, seconds)
+    found = survey(short, bare, registry, progress, channels=view.channels, lines=view.lines)
     seen = promising(found, PER_KIND, _distance(there))
     progress(f"sketching {len(seen)} suspects on the beginning of the records, the best of them on {evaluator.extent}")
     schedule = ((share, seconds, MOST_LONG_SKETCHES), (1.0, 0.0, MOST_LONG_SKETCHES))
@@ -91,7 +99,7 @@ def afar(view: View, base: Fit, progress: Progress) -> list[Sketch]:
     start = afresh(base.hypothesis)
     short = beginning(view.evaluator, *HEATS[0][:2])
     bare = fit(short, start, concerning(base, short), max_iterations=0)
-    seen = survey(short, bare, view.registry, progress, channels=view.channels)
+    seen = survey(short, bare, view.registry, progress, channels=view.channels, lines=view.lines)
     found = promising(seen, PER_KIND, _distance(base))
     progress(f"sketching {len(found)} suspects on the beginning of the records")
     return heats(view.evaluator, start, base, [suspect.effect for suspect in found], view.registry)

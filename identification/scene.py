@@ -7,7 +7,7 @@ import numpy as np
 
 from identification.evaluate import Evaluator
 from identification.hypothesis import Hypothesis
-from identification.lines import lines_left
+from identification.lines import Lines, lines_left
 from identification.rest_target import FrfTarget, ModesTarget
 from models.arrays import FloatArray
 from models.drive import drive_of
@@ -96,7 +96,9 @@ SAME_PLACE = 0.02
 """Share of the length within which two positions are one."""
 
 
-def scenes(evaluator: Evaluator, hypothesis: Hypothesis, places: Collection[Place]) -> dict[Place, Scene]:
+def scenes(
+    evaluator: Evaluator, hypothesis: Hypothesis, places: Collection[Place], lines: Lines | None = None
+) -> dict[Place, Scene]:
     """The scene at every place, from the motion that the hypothesis predicts there.
 
     FRFs and mode shapes know no level: without time records the motion is that under an excitation of 1 rms (N, m, m/s
@@ -106,6 +108,7 @@ def scenes(evaluator: Evaluator, hypothesis: Hypothesis, places: Collection[Plac
         evaluator: records to simulate.
         hypothesis: the model so far.
         places: where.
+        lines: that a model leaves in longer records than these; read from these where there are none.
     """
     plant = hypothesis.plant()
     at = {place: _watched_at(place, plant) for place in places}
@@ -132,7 +135,7 @@ def scenes(evaluator: Evaluator, hypothesis: Hypothesis, places: Collection[Plac
             )
         force = max(force, _force(target.record, response, response.channels[1::2]))
     duration = max(target.whole for target in evaluator.timed)
-    lines = lines_left(evaluator, hypothesis)
+    lines = lines_left(evaluator, hypothesis) if lines is None else lines
     common = _common(response.model, force or 1.0, duration)
     common = replace(common, lines=(lines.free + lines.driven)[:MOST_LINES])
     rest = _at_rest(response.model, positions)

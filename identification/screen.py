@@ -13,6 +13,7 @@ from identification.evaluate import Evaluator
 from identification.fit import Fit
 from identification.hypothesis import Hypothesis
 from identification.in_step import tried_with
+from identification.lines import Lines
 from identification.progress import Progress
 from identification.scene import is_same_place, places_near, places_of, scenes
 from models.arrays import FloatArray
@@ -115,6 +116,7 @@ def survey(
     progress: Progress,
     near: float | None = None,
     channels: Collection[Place] | None = None,
+    lines: Lines | None = None,
 ) -> list[Suspect]:
     """Every kind at every place at many sizes, none taken to act in proportion, the most promising first.
 
@@ -128,9 +130,11 @@ def survey(
         progress: told how many simulations are coming.
         near: only at this position along the beam, m, and at sleeves close to it.
         channels: on which effects may sit (``places_of``).
+        lines: single ones that are left in longer records than these, whose beginning cannot tell them apart.
     """
     projection = Projection(start)
-    ladder = [size for row in _trials(evaluator, start, registry, near, channels).values() for size in _ladder(row)]
+    trials = _trials(evaluator, start, registry, near, channels, lines)
+    ladder = [size for row in trials.values() for size in _ladder(row)]
     progress(f"surveying {len(registry)} kinds of effect at every place: {len(ladder)} trials")
     suspects = [
         Suspect(effect, projection.misfit - projection.left_of(row))
@@ -182,13 +186,14 @@ def _trials(
     registry: Registry,
     near: float | None = None,
     channels: Collection[Place] | None = None,
+    lines: Lines | None = None,
 ) -> dict[tuple[str, Place], list[Effect]]:
     """Trial effects by kind and place."""
     rig = base.hypothesis.rig
     kinds = [kind for kind in registry.values() if rig.structure.kind in kind.structures]
     places = {kind: places_of(kind, rig, channels) if near is None else places_near(kind, rig, near) for kind in kinds}
     wanted = {place for row in places.values() for place in row}
-    seen = scenes(evaluator, base.hypothesis, wanted) if wanted else {}
+    seen = scenes(evaluator, base.hypothesis, wanted, lines) if wanted else {}
     parts = [part for effect in base.hypothesis.effects for part in effect.parts()]
     trials: dict[tuple[str, Place], list[Effect]] = {}
     for kind in kinds:

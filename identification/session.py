@@ -6,7 +6,8 @@ from math import inf
 import numpy as np
 
 from identification.assess import score
-from identification.calibrate import unknowns_of
+from identification.calibrate import strained, unknowns_of
+from identification.consistency.find import pushed_out
 from identification.evaluate import Evaluator, carry_noise
 from identification.evidence import Ranked, reweighed
 from identification.fit import Fit, fit
@@ -67,6 +68,7 @@ class Session:
     relearnt: bool = False
     is_passing: bool = False
     _ended: tuple[Evaluator, Fit, Fit] | None = None
+    _out: tuple[Fit, bool] | None = None
 
     def stage(self, label: str, hypothesis: Hypothesis) -> Stage:
         """A model on the way, with its errors on whole records, told.
@@ -109,6 +111,21 @@ class Session:
             ended = fit(whole, result.hypothesis, unknowns, max_iterations=LAST_ITERATIONS, tolerance=0.0, precise=True)
             self._ended = self.everything, result, ended
         return self._ended[2]
+
+    def left_tolerance(self, calibrated: Fit) -> bool:
+        """Whether a number had to leave its tolerance, by more than the noise of the measured force moves it.
+
+        Args:
+            calibrated: the model without effects.
+        """
+        if self._out is None or self._out[0] is not calibrated:
+            at_end = strained(calibrated)
+            out = pushed_out(self.fitting, calibrated, np.random.default_rng(self.seed))
+            moved = ", ".join(unknown.parameter.label for unknown in at_end if unknown not in out)
+            if moved:
+                self.decide(f"{moved} left the tolerance by no more than the noise of the measured force moves it here")
+            self._out = calibrated, bool(out)
+        return self._out[1]
 
     def _foresee(self, hypothesis: Hypothesis) -> None:
         """Shorten what is used of the records to what this model predicts, which may part from its neighbours sooner.

@@ -11,7 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from identification.calibrate import STRAINED_SHARE
+from identification.calibrate import STRAINED_SHARE, strained
 from identification.consistency import words
 from identification.consistency.cells import cells_of, weighted
 from identification.consistency.finding import CalibrationFinding, least_sigma
@@ -24,7 +24,6 @@ from identification.fit import Fit
 from identification.hypothesis import LARGEST_SIGMA, RigUnknown, coordinates
 from identification.intervals import finer
 from identification.rest_target import ModesTarget
-from models.arrays import FloatArray
 from models.rig import Rig
 
 FALSE_ALARM = 0.01
@@ -71,6 +70,25 @@ def calibration_findings(evaluator: Evaluator, found: Fit, rng: np.random.Genera
     return tuple(finding for finding in again if (finding.what, finding.number) in both)
 
 
+def pushed_out(evaluator: Evaluator, found: Fit, rng: np.random.Generator) -> list[RigUnknown]:
+    """The numbers at the end of their tolerance that lie there by more than the force's noise moves them.
+
+    Where neighbouring motions part, what the measured force has wrong acts like another set of numbers.
+
+    Args:
+        evaluator: records that were fitted.
+        found: the calibrated model at its minimum.
+        rng: of realisations of the excitations' noise, asked for only where a number is at its end.
+    """
+    at_end = strained(found)
+    if not at_end:
+        return []
+    rig = {i: u for i, u in enumerate(found.unknowns) if isinstance(u, RigUnknown)}
+    data = weighted(evaluator, found, mode_bands(evaluator, found.hypothesis).edge)
+    sigmas = _sigmas_beyond(Scatter(evaluator, found.hypothesis, data, rng), found, rig)
+    return [rig[i] for i in sigmas if rig[i] in at_end]
+
+
 def _findings(evaluator: Evaluator, found: Fit, rng: np.random.Generator) -> tuple[CalibrationFinding, ...]:
     """The same at the steps of the fit."""
     rig = {i: u for i, u in enumerate(found.unknowns) if isinstance(u, RigUnknown)}
@@ -87,7 +105,7 @@ def _findings(evaluator: Evaluator, found: Fit, rng: np.random.Generator) -> tup
     n_records = len(evaluator.targets)
     tests = len(rig) * len(comparisons) + (2 * n_records if n_records > 1 else 0) + 1
     least = least_sigma(0.5 * FALSE_ALARM, tests)
-    findings = _out_of_tolerance(scatter, found, rig, x)
+    findings = _out_of_tolerance(scatter, found, rig)
     for comparison in comparisons:
         findings += _disagreements(scatter, comparison, rig, least)
     missed = missed_modes(evaluator, found, bands)
@@ -98,20 +116,24 @@ def _findings(evaluator: Evaluator, found: Fit, rng: np.random.Generator) -> tup
     return _plainest(findings)
 
 
-def _out_of_tolerance(
-    scatter: Scatter, found: Fit, rig: Mapping[int, RigUnknown], x: FloatArray
-) -> list[CalibrationFinding]:
+def _out_of_tolerance(scatter: Scatter, found: Fit, rig: Mapping[int, RigUnknown]) -> list[CalibrationFinding]:
     """Numbers further from the rig file than one of so many true ones, and than the force's noise moves them."""
-    strained = STRAINED_SHARE * LARGEST_SIGMA
-    least, std = min(least_sigma(0.5 * FALSE_ALARM, len(rig)), strained), found.std()
-    far = [i for i in rig if abs(x[i]) > least]
-    moved = scatter.moved(found) if far else std
-    sigmas = {i: float(abs(x[i]) / np.hypot(1.0, moved[i])) for i in far}
+    strained_from, std = STRAINED_SHARE * LARGEST_SIGMA, found.std()
+    x = coordinates(found.hypothesis, found.unknowns)
     return [
-        words.left_tolerance(rig[i], float(x[i]), float(np.hypot(std[i], moved[i])), strained, sigmas[i])
-        for i in far
-        if sigmas[i] > least
+        words.left_tolerance(rig[i], float(x[i]), float(np.hypot(std[i], moved)), strained_from, sigma)
+        for i, (sigma, moved) in _sigmas_beyond(scatter, found, rig).items()
     ]
+
+
+def _sigmas_beyond(scatter: Scatter, found: Fit, rig: Mapping[int, RigUnknown]) -> dict[int, tuple[float, float]]:
+    """Significance of the numbers that left their tolerance, and how far the force's noise moves each."""
+    x = coordinates(found.hypothesis, found.unknowns)
+    least = min(least_sigma(0.5 * FALSE_ALARM, len(rig)), STRAINED_SHARE * LARGEST_SIGMA)
+    far = [i for i in rig if abs(x[i]) > least]
+    moved = scatter.moved(found) if far else found.std()
+    sigmas = {i: (float(abs(x[i]) / np.hypot(1.0, moved[i])), float(moved[i])) for i in far}
+    return {i: each for i, each in sigmas.items() if each[0] > least}
 
 
 def _comparisons(evaluator: Evaluator, rig: Rig, by_band: Parts, by_time: Parts, bands: ModeBands) -> list[_Comparison]:

@@ -4,7 +4,8 @@ Fixed before anything was tuned on the first; a change here makes other cases, a
 was looked at is there to tune on: 45 reported cases of seed 2029 showed intervals too narrow, 19 of seed 2611 odds too
 sure of themselves, 8 of seed 3107 a start that was missing, 30 of seed 4517 what hangs on one record, a law imitated by
 another with more numbers, and a number known only beside another, 3 of seed 5381 two names for one wall, 21 of seed
-6257 numbers that stay where a second effect had pulled them; the seed below has been drawn since.
+6257 numbers that stay where a second effect had pulled them, 21 of seed 7411 lines read from half a second and numbers
+that the force's noise moves as far as a tolerance; the seed below has been drawn since.
 """
 
 from dataclasses import dataclass
@@ -144,7 +145,7 @@ TUNING = CaseSet(
 
 REPORTED = CaseSet(
     name="reported",
-    seed=7411,
+    seed=8839,
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),
     length=Span(0.6, 2.4),

@@ -16,13 +16,16 @@ MASS = PointMass(Place(position=0.7), mass=0.3)
 
 
 class Listener:
-    """A session that hears decisions."""
+    """A session that hears decisions, and knows whether a number had to leave its tolerance."""
 
     class everything:  # noqa: N801
         timed = ("a record",)
 
-    def __init__(self, *, is_passing=False):
-        self.decisions, self.is_passing = [], is_passing
+    def __init__(self, *, is_passing=False, has_left=False):
+        self.decisions, self.is_passing, self.has_left = [], is_passing, has_left
+
+    def left_tolerance(self, calibrated):
+        return self.has_left
 
     def decide(self, text):
         self.decisions.append(text)
@@ -33,8 +36,8 @@ def fit_with_ratio(ratio, *, effect):
     return found if effect else replace(found, hypothesis=replace(found.hypothesis, effects=()), unknowns=())
 
 
-def called(calibrated, final=None, *, searched=True, is_passing=False):
-    session = Listener(is_passing=is_passing)
+def called(calibrated, final=None, *, searched=True, **session):
+    session = Listener(**session)
     base = fit_with_ratio(calibrated, effect=False)
     end = base if final is None else fit_with_ratio(final, effect=True)
     return verdict_of(session, base, end, searched=searched), session.decisions[-1]
@@ -60,6 +63,11 @@ def test_what_nothing_explains_is_complete_only_within_what_is_known_of_the_nois
     assert called(1.1, searched=False)[0] == "complete"
     assert called(1.2)[0] == "complete"
     assert called(1.4)[0] == "unexplained"
+
+
+@pytest.mark.parametrize("is_passing", [False, True])
+def test_what_reaches_the_noise_with_a_number_beyond_its_tolerance_is_not_complete(is_passing):
+    assert called(1.0, is_passing=is_passing, has_left=True)[0] == "unexplained"
 
 
 def test_what_is_left_of_an_event_that_passes_is_no_effect():

@@ -5,10 +5,11 @@ from trial_records import REFERENCE, evaluator_of, measured, moved, multisine
 
 from identification.calibrate import beginning, calibrate, put_back, unknowns_of
 from identification.fit import fit
-from identification.hypothesis import Hypothesis, rig_unknowns
+from identification.hypothesis import Hypothesis, rig_unknowns, with_own_number
 from identification.look import TELLING, TELLING_WINDOWS, View, _telling, beside, first_of_each_kind
 from identification.screen import Projection, Suspect
 from models.effects import EFFECTS, Place
+from models.effects.base_motion import BaseMotion
 from models.effects.coulomb_friction import CoulombFriction
 from models.effects.point_damping import PointDamping
 from models.effects.point_mass import PointMass
@@ -53,6 +54,21 @@ def test_the_shortest_beginning_that_shows_more_than_noise_is_surveyed():
     for shorter in TELLING_WINDOWS[: TELLING_WINDOWS.index(windows[1][0])]:
         bare = fit(beginning(evaluator, *shorter), truth, rig_unknowns(REFERENCE), max_iterations=0)
         assert Projection(bare).misfit < TELLING**2 * bare.n_data
+
+
+def test_a_shaking_floor_is_begun_at_the_line_that_the_whole_records_show():
+    """Half a second, in which a mass that is missing too leaves most, does not know it, and fits from others stray."""
+    floor, mass = BaseMotion(Place(), 71.34, 0.3), PointMass(Place(position=0.9), 0.3)
+    truth = with_own_number(Hypothesis(REFERENCE).with_effects(floor, mass), "test", "base_phase", 0.7)
+    evaluator = evaluator_of(measured(truth, multisine(10240, rms=3.0, periods=2)))
+    given = Hypothesis(REFERENCE)
+    base = calibrate(evaluator, given, unknowns_of(given, evaluator))
+    view = View(evaluator, base, {"base_motion": BaseMotion})
+
+    first = beside(view, base, SILENT)[0]
+
+    assert view.lines.free[0] == pytest.approx(71.34, abs=0.02)
+    assert first.effect.frequency == pytest.approx(71.34, abs=0.05)
 
 
 def test_a_dashpot_that_the_rigs_damping_was_pulled_to_imitate_is_seen_where_it_sits():

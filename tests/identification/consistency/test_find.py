@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from identification.calibrate import calibrate, unknowns_of
-from identification.consistency.find import calibration_findings
+from identification.calibrate import calibrate, strained, unknowns_of
+from identification.consistency.find import calibration_findings, pushed_out
 from identification.consistency.modes import frequency_of, missed_modes, mode_bands
+from identification.consistency.noise_seen import Scatter
 from identification.evaluate import Evaluator, TimeTarget, carry_noise
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, rig_unknowns
@@ -96,6 +97,19 @@ def test_a_number_six_tolerances_off_has_left_its_tolerance():
     assert stiffness.values[0] > 1.1 * STIFFNESS
     assert "left its tolerance of 0.03" in stiffness.words
     assert "where the fit held it back" in stiffness.words
+
+
+def test_a_number_that_the_forces_noise_moves_as_far_has_not_left_its_tolerance(monkeypatch):
+    truth = Hypothesis(RIG.with_values({"stiffness": STIFFNESS * np.exp(6 * 0.03)}))
+    evaluator, given = evaluator_of(*records_of(truth, 3.0, 10.0)), Hypothesis(RIG)
+    found = calibrate(evaluator, given, unknowns_of(given, evaluator))
+    at_end = strained(found)
+
+    assert "stiffness" in {unknown.parameter.path for unknown in at_end}
+    assert pushed_out(evaluator, found, np.random.default_rng(0)) == at_end
+
+    monkeypatch.setattr(Scatter, "moved", lambda self, fit: np.ones(len(fit.unknowns)))
+    assert pushed_out(evaluator, found, np.random.default_rng(0)) == []
 
 
 def test_a_record_from_another_set_up_is_named_without_a_level():
