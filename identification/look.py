@@ -50,7 +50,7 @@ class View:
 
     @cached_property
     def lines(self) -> Lines:
-        """Single lines that the calibrated model leaves; the beginning of the records would not tell them apart."""
+        """Single lines that the calibrated model leaves in these seconds; their beginning would not tell them apart."""
         return lines_left(self.evaluator, self.there.hypothesis)
 
 

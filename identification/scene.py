@@ -108,7 +108,7 @@ def scenes(
         evaluator: records to simulate.
         hypothesis: the model so far.
         places: where.
-        lines: that a model leaves in longer records than these; read from these where there are none.
+        lines: that a model leaves in longer records than these; read from these where none are given.
     """
     plant = hypothesis.plant()
     at = {place: _watched_at(place, plant) for place in places}

@@ -113,7 +113,7 @@ class Session:
         return self._ended[2]
 
     def left_tolerance(self, calibrated: Fit) -> bool:
-        """Whether a number had to leave its tolerance, by more than the noise of the measured force moves it.
+        """Whether a number had to leave its tolerance, further than the noise of the measured force explains.
 
         Args:
             calibrated: the model without effects.
@@ -121,9 +121,11 @@ class Session:
         if self._out is None or self._out[0] is not calibrated:
             at_end = strained(calibrated)
             out = pushed_out(self.fitting, calibrated, np.random.default_rng(self.seed))
-            moved = ", ".join(unknown.parameter.label for unknown in at_end if unknown not in out)
-            if moved:
-                self.decide(f"{moved} left the tolerance by no more than the noise of the measured force moves it here")
+            pardoned = ", ".join(unknown.parameter.label for unknown in at_end if unknown not in out)
+            if pardoned and calibrated.ratio <= NOISE_REACHED:
+                self.progress(
+                    f"{pardoned}: no further out than the tolerance and the force's noise together put it here"
+                )
             self._out = calibrated, bool(out)
         return self._out[1]
 

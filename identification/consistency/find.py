@@ -71,7 +71,7 @@ def calibration_findings(evaluator: Evaluator, found: Fit, rng: np.random.Genera
 
 
 def pushed_out(evaluator: Evaluator, found: Fit, rng: np.random.Generator) -> list[RigUnknown]:
-    """The numbers at the end of their tolerance that lie there by more than the force's noise moves them.
+    """The numbers at the end of their tolerance that lie further out than it and the force's noise together put them.
 
     Where neighbouring motions part, what the measured force has wrong acts like another set of numbers.
 
@@ -85,8 +85,8 @@ def pushed_out(evaluator: Evaluator, found: Fit, rng: np.random.Generator) -> li
         return []
     rig = {i: u for i, u in enumerate(found.unknowns) if isinstance(u, RigUnknown)}
     data = weighted(evaluator, found, mode_bands(evaluator, found.hypothesis).edge)
-    sigmas = _sigmas_beyond(Scatter(evaluator, found.hypothesis, data, rng), found, rig)
-    return [rig[i] for i in sigmas if rig[i] in at_end]
+    beyond = _beyond(Scatter(evaluator, found.hypothesis, data, rng), found, rig)
+    return [rig[i] for i in beyond if rig[i] in at_end]
 
 
 def _findings(evaluator: Evaluator, found: Fit, rng: np.random.Generator) -> tuple[CalibrationFinding, ...]:
@@ -117,23 +117,42 @@ def _findings(evaluator: Evaluator, found: Fit, rng: np.random.Generator) -> tup
 
 
 def _out_of_tolerance(scatter: Scatter, found: Fit, rig: Mapping[int, RigUnknown]) -> list[CalibrationFinding]:
-    """Numbers further from the rig file than one of so many true ones, and than the force's noise moves them."""
-    strained_from, std = STRAINED_SHARE * LARGEST_SIGMA, found.std()
-    x = coordinates(found.hypothesis, found.unknowns)
+    """Numbers that left their tolerance, told."""
+    strained_from, std, x = STRAINED_SHARE * LARGEST_SIGMA, found.std(), coordinates(found.hypothesis, found.unknowns)
     return [
-        words.left_tolerance(rig[i], float(x[i]), float(np.hypot(std[i], moved)), strained_from, sigma)
-        for i, (sigma, moved) in _sigmas_beyond(scatter, found, rig).items()
+        words.left_tolerance(rig[i], float(x[i]), float(np.hypot(std[i], far.moved)), strained_from, far.sigma)
+        for i, far in _beyond(scatter, found, rig).items()
     ]
 
 
-def _sigmas_beyond(scatter: Scatter, found: Fit, rig: Mapping[int, RigUnknown]) -> dict[int, tuple[float, float]]:
-    """Significance of the numbers that left their tolerance, and how far the force's noise moves each."""
+@dataclass(frozen=True)
+class _Far:
+    """A number that left its tolerance.
+
+    Attributes:
+        sigma: of where it would be if no fit held it back, by the tolerance and the force's noise together.
+        moved: by the force's noise, in tolerances.
+    """
+
+    sigma: float
+    moved: float
+
+
+def _beyond(scatter: Scatter, found: Fit, rig: Mapping[int, RigUnknown]) -> dict[int, _Far]:
+    """Numbers further from the rig file than one of so many true ones, and than the force's noise moves them."""
     x = coordinates(found.hypothesis, found.unknowns)
     least = min(least_sigma(0.5 * FALSE_ALARM, len(rig)), STRAINED_SHARE * LARGEST_SIGMA)
     far = [i for i in rig if abs(x[i]) > least]
-    moved = scatter.moved(found) if far else found.std()
-    sigmas = {i: (float(abs(x[i]) / np.hypot(1.0, moved[i])), float(moved[i])) for i in far}
-    return {i: each for i, each in sigmas.items() if each[0] > least}
+    if not far:
+        return {}
+    prior = np.array([1.0 if unknown.prior else 0.0 for unknown in found.unknowns])
+    unheld = x - found.covariance @ (found.jacobian @ found.residual + prior * x)
+    moved = scatter.moved(found)
+    seen = {
+        i: _Far(max(abs(float(x[i])), abs(float(unheld[i]))) / float(np.hypot(1.0, moved[i])), float(moved[i]))
+        for i in far
+    }
+    return {i: each for i, each in seen.items() if each.sigma > least}
 
 
 def _comparisons(evaluator: Evaluator, rig: Rig, by_band: Parts, by_time: Parts, bands: ModeBands) -> list[_Comparison]:

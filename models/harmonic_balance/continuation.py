@@ -13,12 +13,15 @@ from typing import Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import sgetrf, sgetrs
+from scipy.linalg.lapack import dgetrf, dgetrs
 
-from models.arrays import FloatArray, IntArray
+from models.arrays import FloatArray
 
-TOLERANCE = 1e-8
+TOLERANCE = 1e-9
 """Of a point, in the curve's own units."""
+
+ROUND_OFF = 1e-13
+"""A correction so small says nothing more."""
 
 SLOWEST = 0.5
 """What a quasi-Newton correction may leave of the one before; more, and slopes are found anew."""
@@ -56,20 +59,18 @@ class Curve(Protocol):
 class Slopes:
     """Factorised slopes, with the plane in which one corrects as their last row.
 
-    In single precision: what corrections lack by it, the next one makes good.
-
     Attributes:
         factors: (m + 1, m + 1) lower and upper triangle of the transposed matrix.
         swaps: (m + 1,) of its rows.
     """
 
-    factors: NDArray[np.float32]
-    swaps: IntArray
+    factors: FloatArray
+    swaps: NDArray[np.int32]
 
     @classmethod
     def of(cls, slopes: FloatArray, normal: FloatArray) -> Self | None:
         """Of (m, m + 1) slopes and the plane's normal; None where they have no inverse."""
-        factors, swaps, info = sgetrf(np.vstack([slopes, normal]).astype(np.float32).T, overwrite_a=True)
+        factors, swaps, info = dgetrf(np.vstack([slopes, normal]).T, overwrite_a=True)
         return None if info != 0 else cls(factors, swaps)
 
     def correction(self, residual: FloatArray) -> FloatArray:
@@ -85,10 +86,7 @@ class Slopes:
         return along / np.linalg.norm(along)
 
     def _solved(self, right: FloatArray) -> FloatArray:
-        size = float(np.abs(right).max())
-        if size == 0.0:
-            return right
-        return size * np.asarray(sgetrs(self.factors, self.swaps, right / size, trans=1)[0], float)
+        return np.asarray(dgetrs(self.factors, self.swaps, right, trans=1)[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +96,7 @@ class Point:
     Attributes:
         u: (m + 1,) in the curve's own units.
         direction: (m + 1,) of the curve, of length 1, where the slopes were last found.
-        contraction: what the first correction left of itself; 1 where the slopes it began with did not serve.
+        contraction: what the first correction left of itself.
     """
 
     u: FloatArray
@@ -106,21 +104,19 @@ class Point:
     contraction: float
 
 
-def corrected(curve: Curve, guess: FloatArray, direction: FloatArray, *, is_patient: bool = True) -> Point | None:
+def corrected(curve: Curve, guess: FloatArray, direction: FloatArray, *, in_corner: bool = False) -> Point | None:
     """The solution in the plane through a guess at right angles to a direction; None where Newton's method fails.
 
     Args:
         curve: the equations.
         guess: (m + 1,) near the curve.
         direction: (m + 1,) of the plane's normal, to whose side the new direction turns.
-        is_patient: find slopes after every correction where those at the guess do not serve; else a guess nearer by is
-            the cheaper way.
+        in_corner: slopes change so fast that those at the guess do not serve, and the direction is that at the end.
     """
     slopes = Slopes.of(curve.slopes(guess), direction)
     if slopes is None:
         return None
-    found = _by_quasi_newton(curve, guess, slopes)
-    return _by_newton(curve, guess, direction, slopes) if found is None and is_patient else found
+    return _by_newton(curve, guess, direction, slopes) if in_corner else _by_quasi_newton(curve, guess, slopes)
 
 
 def _by_quasi_newton(curve: Curve, guess: FloatArray, slopes: Slopes) -> Point | None:
@@ -130,7 +126,7 @@ def _by_quasi_newton(curve: Curve, guess: FloatArray, slopes: Slopes) -> Point |
     squares = [float(steps[0] @ steps[0])]
     for _ in range(MOST_ITERATIONS):
         u = u + steps[-1]
-        if squares[-1] < TOLERANCE**4:
+        if squares[-1] < (ROUND_OFF * (1.0 + float(np.linalg.norm(u)))) ** 2:
             return Point(u, slopes.direction, first or 0.0)
         ahead = slopes.correction(curve.residual(u))
         for before, after, square in zip(steps[:-1], steps[1:], squares[:-1], strict=True):
@@ -148,15 +144,17 @@ def _by_quasi_newton(curve: Curve, guess: FloatArray, slopes: Slopes) -> Point |
 
 def _by_newton(curve: Curve, guess: FloatArray, direction: FloatArray, slopes: Slopes | None) -> Point | None:
     """By slopes found after every step, which is halved while more is left after it than before."""
-    u, residual = guess, curve.residual(guess)
+    u, residual, sizes = guess, curve.residual(guess), list[float]()
     for _ in range(MOST_ITERATIONS):
         if slopes is None:
             return None
         step, left = slopes.correction(residual), float(np.linalg.norm(residual))
-        if not np.isfinite(step).all():
+        sizes.append(float(np.linalg.norm(step)))
+        if not np.isfinite(sizes[-1]):
             return None
-        if np.linalg.norm(step) < TOLERANCE * (1.0 + np.linalg.norm(u)):
-            return Point(u + step, slopes.direction, 1.0)
+        if sizes[-1] < TOLERANCE * (1.0 + np.linalg.norm(u)):
+            first = sizes[1] / sizes[0] if len(sizes) > 1 and sizes[0] > 0.0 else 0.0
+            return Point(u + step, slopes.direction, first)
         residual = curve.residual(u + step)
         for _ in range(MOST_HALVINGS):
             if np.linalg.norm(residual) <= left:

@@ -1,4 +1,4 @@
-"""The balance of harmonics at the ports: x = H(i k omega) (excitation + forces of x), with its exact slopes.
+"""The balance of harmonics at the ports: x = H(i k omega) (excitation + forces of x), with its slopes.
 
 Only the ports, where laws and contacts act, carry unknowns: the rest of the model is linear and follows from them by
 its receptances. The forces are sampled over one period and turned into harmonics, as are their slopes, whose harmonics
@@ -17,7 +17,7 @@ import numpy as np
 from models.arrays import ComplexArray, FloatArray
 from models.errors import InputError
 from models.harmonic_balance.drive import SineDrive
-from models.harmonic_balance.kernel import Frame, Sine, over_period, residual_of, slopes_of
+from models.harmonic_balance.kernel import Frame, Sine, Waves, over_period, residual_of, slopes_of
 from models.harmonic_balance.poles import Poles, StateSpace
 from models.law import LawFunction
 from models.modal import ModalModel
@@ -165,7 +165,7 @@ class Equations:
             absolute=self.drive.absolute,
             poles=self.receptance.poles,
             residues=self.receptance.residues,
-            **_waves(self.n_harmonics, self.n_samples),
+            waves=_waves(self.n_harmonics, self.n_samples),
         )
 
     def _rows(self, y: FloatArray) -> FloatArray:
@@ -186,8 +186,8 @@ class Equations:
 
 
 @lru_cache(maxsize=16)
-def _waves(n_harmonics: int, n_samples: int) -> dict[str, FloatArray]:
-    """Matrices between a period's samples and its coefficients, as ``Frame`` names them."""
+def _waves(n_harmonics: int, n_samples: int) -> Waves:
+    """Matrices between a period's samples and its coefficients."""
     angles = 2.0 * np.pi / n_samples * np.outer(np.arange(1, 2 * n_harmonics + 1), np.arange(n_samples))
     rows = np.empty((4 * n_harmonics + 1, n_samples))
     rows[0], rows[1::2], rows[2::2] = 1.0, np.cos(angles), -np.sin(angles)
@@ -195,11 +195,7 @@ def _waves(n_harmonics: int, n_samples: int) -> dict[str, FloatArray]:
     to_time = rows[:size].copy()
     to_time[1:] *= 2.0
     back = rows.T / n_samples
-    return {
-        "to_time": to_time,
-        "to_harmonics": np.ascontiguousarray(back[:, :size]),
-        "to_more": np.ascontiguousarray(back),
-    }
+    return Waves(to_time, np.ascontiguousarray(back[:, :size]), np.ascontiguousarray(back))
 
 
 def _refuse_what_is_not_periodic(model: ModalModel) -> None:

@@ -71,7 +71,7 @@ class Follower:
         guess = self.problem.point(start)
         along = np.zeros(len(guess))
         along[-1] = sign
-        first = corrected(self.problem, guess, along)
+        first = corrected(self.problem, guess, along, in_corner=True)
         if first is None:
             raise DivergenceError(
                 f"no periodic motion was found at {start.omega / (2 * np.pi):.4g} Hz and an amplitude of "
@@ -112,7 +112,7 @@ class Follower:
         guess = point.u + step * point.direction
         if len(bend) == len(guess):
             guess += 0.5 * step**2 * bend
-        ahead = corrected(self.problem, guess, point.direction, is_patient=step <= CORNER)
+        ahead = corrected(self.problem, guess, point.direction, in_corner=step <= CORNER)
         if ahead is None:
             return None
         turn = float(ahead.direction @ point.direction)
@@ -124,7 +124,7 @@ class Follower:
         while found.left_out > self.accuracy and self.problem.equations.n_harmonics < HARMONICS[-1]:
             more = HARMONICS[HARMONICS.index(self.problem.equations.n_harmonics) + 1]
             finer, guess = self._with_harmonics(found.point, more)
-            better = corrected(finer, guess.u, guess.direction)
+            better = corrected(finer, guess.u, guess.direction, in_corner=True)
             if better is None:
                 break
             self.problem, found = finer, self._found(better, finer)

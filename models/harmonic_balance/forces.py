@@ -3,8 +3,8 @@
 A contact is closed for a part of a sample where it begins or ends there. The share grows with a slope that begins and
 ends at 0: a dashpot that jumped in would give the curve of periodic motions corners, where it may even turn back, and
 methods with slopes would not get around them. The slopes of neighbouring samples add up to the same wherever these fall
-about the touch (a hat, two samples wide); were it not so, the curve would be rough, and stability of motion that grazes
-a sleeve a matter of where its samples fall.
+about the touch (a hat, two samples wide, unless motion crawls through ``TOUCH``); were it not so, the curve would be
+rough, and stability of motion that grazes a sleeve a matter of where its samples fall.
 """
 
 import numpy as np
@@ -78,12 +78,13 @@ def point_force(law: int, values: FloatArray, first: int, contact: FloatArray, q
         force: float = call_law(law, 0.0, q, v, 0.0, values, first)
         return force
     away = q - contact[OFFSET]
-    side = 1.0 if away >= 0.0 else -1.0
-    p, rate = side * away - contact[CLEARANCE], side * v
     if contact[BILATERAL] > 0.0:
-        normal: float = call_law(law, 0.0, p, rate, 0.0, values, first)
+        side = 1.0 if away >= 0.0 else -1.0
+        normal: float = call_law(law, 0.0, side * away - contact[CLEARANCE], side * v, 0.0, values, first)
         return -side * normal
-    return -side * contact_force(law, values, first, p, rate, h)
+    # A fast motion may cross a narrow gap within a sample and touch both walls.
+    upper = contact_force(law, values, first, away - contact[CLEARANCE], v, h)
+    return contact_force(law, values, first, -away - contact[CLEARANCE], -v, h) - upper
 
 
 @compiled

@@ -22,7 +22,7 @@ MOST_POINTS = 5000
 """Of one curve."""
 
 APART = 0.05
-"""Difference of first harmonics over their size beyond which two motions are two; one step of a curve bends less."""
+"""Difference of first harmonics over their size beyond which two motions are two; a curve bends less in one step."""
 
 SURVEYED = 400
 """Frequencies at which the linearised model tells how far the ports move."""
@@ -59,12 +59,7 @@ def nonlinear_frf(
         DivergenceError: no periodic motion was found at the end where the curve is to begin.
     """
     begun = _begun(plant, amplitude, band, highest, accuracy, downwards=downwards, progress=progress)
-    follower = Follower(replace(begun.problem, omega=None), accuracy, judge_stability, MOST_POINTS)
-    sign = -1.0 if downwards else 1.0
-    curve = follower.follow(begun.motion, progress, sign)
-    if not curve.ended and sign * (2.0 * np.pi * curve.freqs[-1] - begun.motion.omega) < 0.0:
-        return replace(curve, ended=f"the curve folds back and leaves the band at {curve.freqs[-1]:.4g} Hz, as it came")
-    return curve
+    return _followed(begun, accuracy, judge_stability=judge_stability, progress=progress)
 
 
 def from_both_ends(
@@ -84,19 +79,27 @@ def from_both_ends(
         progress: told why the curve is followed from the upper end too.
     """
     up = nonlinear_frf(plant, amplitude, band, highest)
-    why = up.ended or _other_motion(up, _begun(plant, amplitude, band, highest, ACCURACY, downwards=True).motion)
+    try:
+        top = _begun(plant, amplitude, band, highest, ACCURACY, downwards=True)
+    except DivergenceError as lost:
+        if up.ended:
+            raise
+        progress(f"{amplitude:g}: {lost}; what else there may be at the upper end is not known")
+        return (up,)
+    why = up.ended or _other_motion(up, top.motion)
     if not why:
         return (up,)
     progress(f"{amplitude:g}: {why}; following it from {band[1]:g} Hz down")
-    return up, nonlinear_frf(plant, amplitude, band, highest, downwards=True)
+    return up, _followed(top, ACCURACY)
 
 
 @dataclass(frozen=True, eq=False)
 class _Begun:
-    """Where a curve begins, in the equations that were needed to get there."""
+    """Where a curve begins, in the equations that were needed to get there, and whether it goes down from there."""
 
     problem: Problem
     motion: Motion
+    downwards: bool
 
 
 def _begun(
@@ -125,19 +128,42 @@ def _begun(
     x[:, 1] = 0.5 * LEAST_SHARE * amplitude * first[-1 if downwards else 0]
     ramp = Follower(Problem(equations, span, omega=begin), accuracy, judged=False, most_points=MOST_POINTS)
     risen = ramp.follow(Motion(x, begin, LEAST_SHARE * amplitude), progress)
-    if risen.ended:
+    if risen.ended or risen.amplitudes[-1] < amplitude:
+        why = risen.ended or "the motion that grows from rest shrinks again before"
         raise DivergenceError(
             f"no periodic motion was found at {begin / (2 * np.pi):g} Hz and an amplitude of {amplitude:g}, where the "
-            f"curve is to begin: {risen.ended}; begin further from a resonance, or lower"
+            f"curve is to begin: {why}; begin further from a resonance, or lower"
         )
-    return _Begun(ramp.problem, Motion(risen.motion[-1], begin, amplitude))
+    return _Begun(
+        ramp.problem, Motion(_between(risen.motion, risen.amplitudes, amplitude), begin, amplitude), downwards
+    )
+
+
+def _followed(
+    begun: _Begun,
+    accuracy: float,
+    *,
+    judge_stability: bool = True,
+    progress: Callable[[str], None] = lambda _: None,
+) -> PeriodicCurve:
+    """The curve from where it begins until it leaves the band, at either end."""
+    follower = Follower(replace(begun.problem, omega=None), accuracy, judge_stability, MOST_POINTS)
+    sign = -1.0 if begun.downwards else 1.0
+    curve = follower.follow(begun.motion, progress, sign)
+    if not curve.ended and sign * (2.0 * np.pi * curve.freqs[-1] - begun.motion.omega) < 0.0:
+        return replace(curve, ended=f"the curve folds back and leaves the band at {curve.freqs[-1]:.4g} Hz, as it came")
+    return curve
+
+
+def _between(motion: ComplexArray, at: FloatArray, wanted: float) -> ComplexArray:
+    """The motion between the last two of a curve, at a value of what was free on it."""
+    part = (wanted - at[-2]) / (at[-1] - at[-2])
+    return np.asarray((1.0 - part) * motion[-2] + part * motion[-1])
 
 
 def _other_motion(up: PeriodicCurve, motion: Motion) -> str:
     """In words, that a motion at the upper end is not the one at which the curve arrives; empty if it is."""
-    before, after = 2.0 * np.pi * up.freqs[-2:]
-    part = (motion.omega - before) / (after - before)
-    arrives = (1.0 - part) * up.motion[-2, :, 1] + part * up.motion[-1, :, 1]
+    arrives = _between(up.motion[:, :, 1], up.freqs, motion.omega / (2.0 * np.pi))
     apart = np.linalg.norm(motion.x[:, 1] - arrives) / np.linalg.norm(arrives)
     return "from rest another motion is reached at the upper end" if apart > APART else ""
 

@@ -14,6 +14,20 @@ from models.harmonic_balance.forces import forces_and_slopes, forces_at
 from models.point_forces import Items
 
 
+class Waves(NamedTuple):
+    """Between the N samples of a period and its coefficients.
+
+    Attributes:
+        to_time: (2 H + 1, N) samples by coefficient.
+        to_harmonics: (N, 2 H + 1) coefficients by sample.
+        to_more: (N, 4 H + 1) up to twice the highest harmonic, as slopes need.
+    """
+
+    to_time: FloatArray
+    to_harmonics: FloatArray
+    to_more: FloatArray
+
+
 class Frame(NamedTuple):
     """What stays while a curve is followed with H harmonics.
 
@@ -24,9 +38,7 @@ class Frame(NamedTuple):
         absolute: (n_ports,) 1 where a law reads absolute motion and the base moves.
         poles: (2n,) of the linear part, 1/s.
         residues: (2n, n_ports * (n_ports + 1)) from the ports and the excitation to the ports.
-        to_time: (2 H + 1, N) samples of a period by coefficient.
-        to_harmonics: (N, 2 H + 1) coefficients by sample.
-        to_more: (N, 4 H + 1) up to twice the highest harmonic, as slopes need.
+        waves: between samples and coefficients.
     """
 
     items: Items
@@ -35,9 +47,7 @@ class Frame(NamedTuple):
     absolute: FloatArray
     poles: ComplexArray
     residues: ComplexArray
-    to_time: FloatArray
-    to_harmonics: FloatArray
-    to_more: FloatArray
+    waves: Waves
 
 
 class Sine(NamedTuple):
@@ -59,7 +69,7 @@ class Sine(NamedTuple):
 
 
 @compiled
-def motion_of(frame: Frame, y: FloatArray, sine: Sine) -> tuple[FloatArray, FloatArray, float]:
+def _motion_of(frame: Frame, y: FloatArray, sine: Sine) -> tuple[FloatArray, FloatArray, float]:
     """(n_ports, N) displacement, m, and velocity, m/s, as the laws see them, and the time between samples, s.
 
     Args:
@@ -78,7 +88,7 @@ def motion_of(frame: Frame, y: FloatArray, sine: Sine) -> tuple[FloatArray, Floa
             turn = k * sine.omega
             seen[n_ports + i, 2 * k - 1] = -turn * seen[i, 2 * k]
             seen[n_ports + i, 2 * k] = turn * seen[i, 2 * k - 1]
-    moved = np.dot(seen, frame.to_time)
+    moved = np.dot(seen, frame.waves.to_time)
     for i in range(n_ports):
         moved[i] += frame.rest[i]
     return moved[:n_ports], moved[n_ports:], 2.0 * np.pi / (sine.omega * moved.shape[1])
@@ -123,7 +133,7 @@ def over_period(frame: Frame, y: FloatArray, sine: Sine) -> tuple[FloatArray, Fl
         y: (n_ports, 2 H + 1) coefficients about rest, m.
         sine: the excitation.
     """
-    q, v, h = motion_of(frame, y, sine)
+    q, v, h = _motion_of(frame, y, sine)
     force, by_q, by_v = forces_and_slopes(frame.items, q, v, h)
     for i in range(force.shape[0]):
         force[i] -= frame.rest_force[i]
@@ -140,11 +150,11 @@ def residual_of(frame: Frame, y: FloatArray, sine: Sine) -> FloatArray:
         sine: the excitation.
     """
     n_ports, size = y.shape
-    q, v, h = motion_of(frame, y, sine)
+    q, v, h = _motion_of(frame, y, sine)
     force = forces_at(frame.items, q, v, h)
     for i in range(n_ports):
         force[i] -= frame.rest_force[i]
-    pushed = np.dot(force, frame.to_harmonics)
+    pushed = np.dot(force, frame.waves.to_harmonics)
     n_kept = size // 2 + 1
     response = np.dot(_shares(frame.poles, sine.omega, n_kept), frame.residues).reshape(n_kept, n_ports, n_ports + 1)
     left = np.empty_like(y)
@@ -167,13 +177,13 @@ def slopes_of(frame: Frame, y: FloatArray, sine: Sine) -> FloatArray:
         sine: the excitation.
     """
     n_ports, size = y.shape
-    q, v, h = motion_of(frame, y, sine)
+    q, v, h = _motion_of(frame, y, sine)
     force, by_q, by_v = forces_and_slopes(frame.items, q, v, h)
     course = np.empty((4 * n_ports, q.shape[1]))
     for i in range(n_ports):
         course[i], course[n_ports + i] = force[i] - frame.rest_force[i], by_v[i] * v[i]
         course[2 * n_ports + i], course[3 * n_ports + i] = by_q[i], by_v[i]
-    spectra = np.dot(course, frame.to_more)
+    spectra = np.dot(course, frame.waves.to_more)
     pushed, changed = spectra[:n_ports], spectra[n_ports : 2 * n_ports]
     slope_q, slope_v = spectra[2 * n_ports : 3 * n_ports], spectra[3 * n_ports :]
     n_kept, shares = size // 2 + 1, _shares(frame.poles, sine.omega, size // 2 + 1)

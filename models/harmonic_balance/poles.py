@@ -31,10 +31,6 @@ class Poles:
         """(n_s, n_out, n_in) receptances at s, 1/s."""
         return np.asarray((1.0 / (s[:, None] - self.poles)) @ self.residues).reshape(-1, *self.shape)
 
-    def slope_at(self, s: ComplexArray) -> ComplexArray:
-        """(n_s, n_out, n_in) dH/ds at s, 1/s."""
-        return np.asarray((-1.0 / (s[:, None] - self.poles) ** 2) @ self.residues).reshape(-1, *self.shape)
-
 
 @dataclass(frozen=True, eq=False)
 class StateSpace:

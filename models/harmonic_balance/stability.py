@@ -72,11 +72,12 @@ def _real_form(model: ModalModel) -> tuple[FloatArray, FloatArray, FloatArray, F
 def _exponentials(blocks: FloatArray) -> FloatArray:
     """(n, 2, 2) of 2 x 2 matrices B: exp(m) (cosh(d) + (B - m) sinh(d) / d), m half the trace, d^2 = m^2 - det B."""
     mean = 0.5 * (blocks[:, 0, 0] + blocks[:, 1, 1])
-    apart = blocks - mean[:, None, None] * np.eye(2)
     spread = np.sqrt((mean**2 - np.linalg.det(blocks)).astype(complex))
+    up, down = np.exp(mean + spread), np.exp(mean - spread)
     same = np.abs(spread) < ALIKE
-    level = np.exp(mean) * np.cosh(spread).real
-    slope = np.exp(mean) * np.where(same, 1.0, np.sinh(spread) / np.where(same, 1.0, spread)).real
+    level = 0.5 * (up + down).real
+    slope = np.where(same, np.exp(mean), (0.5 * (up - down) / np.where(same, 1.0, spread)).real)
+    apart = blocks - mean[:, None, None] * np.eye(2)
     return np.asarray(level[:, None, None] * np.eye(2) + slope[:, None, None] * apart)
 
 

@@ -66,7 +66,7 @@ engines, chosen as the most distorted ones that a curve has alone at their frequ
 
 COMPARED = """\
 First harmonics at all eight points: harmonic balance against the modal model begun on the curve, and against each
-engine begun at rest. Where it stays on the curve and all three engines come to the same other motion, that one attracts
+engine begun at rest. Where it stays on the curve and all engines come to the same other motion, that one attracts
 the rod from rest beside the curve's.\
 """
 

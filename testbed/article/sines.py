@@ -39,6 +39,10 @@ ASIDE = 1e-3
 """Share of a frequency on either side at which the curve must have one motion too."""
 
 
+CHOICES = (THROUGH, MODES_UP_TO, FS, WATCHED, SPARE, SETTLED, LONGEST, LARGEST_MULTIPLIER, ASIDE)
+"""All of these, on which what is kept depends."""
+
+
 @dataclass(frozen=True)
 class Check:
     """One steady state, by harmonic balance and stepped in time.
@@ -68,7 +72,7 @@ class Sines:
     Attributes:
         clearance: m.
         amplitude: N.
-        curves: up through the band, and down where it folds back.
+        curves: up through the band, and down where another motion is reached at its upper end.
         seconds: of processor that they took.
         check: None where no motion of the curve is alone, or the one chosen does not settle.
     """

@@ -6,7 +6,7 @@ from typing import Any
 
 from identification.progress import Progress
 from testbed.article.rig import Geometry
-from testbed.article.sines import AMPLITUDES, THROUGH, curve_json, sines, sines_json, spine
+from testbed.article.sines import AMPLITUDES, CHOICES, curve_json, sines, sines_json, spine
 from testbed.outputs import digest_of, kept
 
 Json = dict[str, Any]
@@ -52,5 +52,6 @@ def _level(
         progress(f"sines of {amplitude:g} N at {1e3 * clearance:g} mm: the curve, then one motion stepped in time")
         return sines_json(sines(geometry, clearance, amplitude, engines))
 
-    path = out / KEPT / f"{1e3 * clearance:g}-mm-{amplitude:g}-N.json"
-    return kept(path, digest_of(geometry, clearance, amplitude, engines, THROUGH), made)
+    path, rig = out / KEPT / f"{1e3 * clearance:g}-mm-{amplitude:g}-N.json", geometry.rig(clearance, "force")
+    found = kept(path, digest_of(rig, amplitude, engines, CHOICES), made)
+    return {name: value for name, value in found.items() if name != "made_of"}

@@ -1,5 +1,7 @@
 """A diagnosis fits on a part of the records, and on everything where the part hides what is missing."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from trial_records import evaluator_of, measured, multisine, oscillator
@@ -95,3 +97,21 @@ def test_a_record_is_used_as_far_as_the_model_that_explains_it_sees():
     assert ended.n_data < 0.9 * session.everything.n_data
     assert "neighbouring motions part" in session.decisions[-1]
     assert ended.ratio == pytest.approx(1.0, abs=0.1)
+
+
+def test_numbers_that_the_forces_noise_pardons_are_asked_for_once_a_calibration(monkeypatch):
+    truth = Hypothesis(RIG.with_values({"stiffness": RIG.structure.stiffness * np.exp(6 * 0.03)}))
+    session, off = session_on(truth, 1.0)
+    found = replace(off, chi2=float(off.n_data))  # as if the noise were reached
+    asked, told, out = [], [], []
+    session.progress = told.append
+    monkeypatch.setattr("identification.session.pushed_out", lambda *_: asked.append(1) or out)
+
+    assert not session.left_tolerance(found)
+    assert not session.left_tolerance(found)
+    assert len(asked) == 1
+    (words,) = told
+    assert words == "mass, stiffness: no further out than the tolerance and the force's noise together put it here"
+
+    out.append(found.unknowns[0])
+    assert session.left_tolerance(replace(found, penalty=0.0))
