@@ -18,7 +18,7 @@ from identification.noise_left import NOISE_NEAR
 from identification.outcome import AT_REST_ONLY
 from identification.result import Verdict
 from identification.rounds import takes_away
-from identification.session import NOISE_REACHED, Session
+from identification.session import NOISE_REACHED, Session, reaches_noise
 from identification.tangent_ties import is_linear
 from identification.unseen import left_unseen
 
@@ -44,7 +44,8 @@ predicted any more, neither with it nor without."""
 
 def is_enough(session: Session, result: Fit) -> bool:
     """The noise is reached; without an effect, with every number within its tolerance."""
-    return result.ratio <= NOISE_REACHED and (bool(result.hypothesis.effects) or not session.left_tolerance(result))
+    reached = reaches_noise(session.fitting, result)
+    return reached and (bool(result.hypothesis.effects) or not session.left_tolerance(result))
 
 
 def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | None:
@@ -57,8 +58,8 @@ def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
     share = takes_away(base, best.fit)
     name = best.effect.label()
     least = LATER_SHARE if base.hypothesis.effects and best.fit.ratio > NOISE_NEAR else LEAST_SHARE
-    if odds < LEAST_EVIDENCE or (base.ratio > NOISE_REACHED and share < least):
-        little = base.ratio > NOISE_REACHED and share < least
+    little = share < least and not reaches_noise(session.fitting, base)
+    if odds < LEAST_EVIDENCE or little:
         why = f"takes away only {share:.0%} of the misfit" if little else "the records hardly speak for it"
         session.decide(f"{name} is the best of the library, but {why}: not added")
         return None
@@ -90,24 +91,31 @@ def _is_passing(session: Session, base: Fit, best: Ranked) -> bool:
     return True
 
 
-def pruned(session: Session, calibrated: Fit, found: Fit) -> list[tuple[int, Fit]]:
-    """Effects that the last one has made needless, each with the fit without it, taken out one after the other.
+def pruned(session: Session, calibrated: Fit, found: Fit, *, newest: int) -> list[tuple[int, Fit]]:
+    """Effects that a new one has made needless, each with the fit without it, taken out one after the other.
 
     Needless is what none would be added for: the noise is reached without it, or it explains nothing.
+
+    Args:
+        session: told.
+        calibrated: the model without effects.
+        found: the fit.
+        newest: index of the new effect, which is not asked.
     """
     taken: list[tuple[int, Fit]] = []
+    new = found.hypothesis.effects[newest].label()
     index = 0
-    while index < len(found.hypothesis.effects) - 1:
-        less = fit_without(session, calibrated, found, index)
+    while index < len(found.hypothesis.effects):
+        less = None if index == newest else fit_without(session, calibrated, found, index)
         scale = misfit_of(found)
         if less is not None and (
             is_enough(session, less) or log_fit(found, scale) - log_fit(less, scale) < LEAST_EVIDENCE
         ):
-            gone, last = found.hypothesis.effects[index].label(), found.hypothesis.effects[-1].label()
+            gone = found.hypothesis.effects[index].label()
             why = "the noise is reached without it" if is_enough(session, less) else "it explains nothing more"
-            session.decide(f"{gone} taken out again: beside {last} {why}")
+            session.decide(f"{gone} taken out again: beside {new} {why}")
             taken.append((index, less))
-            found = less
+            found, newest = less, newest - (index < newest)
         else:
             index += 1
     return taken

@@ -13,6 +13,7 @@ from identification.conclude import concluded, one_set_of_numbers, settled
 from identification.established import NOT_ESTABLISHED, unestablished
 from identification.evaluate import carry_noise
 from identification.evidence import Ranked
+from identification.exchange import exchanged
 from identification.fit import Fit
 from identification.hypothesis import Hypothesis
 from identification.in_all_sleeves import fallen_apart, in_all_sleeves
@@ -106,15 +107,35 @@ def diagnose(
             chosen, chain = learnt, session.again(chain)
         chain.append(chosen)
         stages.append(session.stage(f"+ {chosen.hypothesis.effects[-1].label()}", chosen.hypothesis))
-        for index, less in pruned(session, chain[0], chosen):
-            stages.append(session.stage(f"- {chain[-1].hypothesis.effects[index].label()}", less.hypothesis))
-            chain.append(less)
-            del rounds[index]
+        chain, rounds = _revised(session, chain, rounds, stages)
     chain[-1], rounds = fallen_apart(chain[-1], rounds)
     verdict, final, last = _ended(session, chain, rounds, stages)
     calibration = one_set_of_numbers(session, chain[0], verdict)
     found = concluded(session, given, stages, rounds, verdict, final, last, holdout, seed, began)
     return replace(found, calibration=calibration, findings=(*found.findings, *(each.words for each in calibration)))
+
+
+def _revised(
+    session: Session, chain: list[Fit], rounds: list[list[Ranked]], stages: list[Stage]
+) -> tuple[list[Fit], list[list[Ranked]]]:
+    """The models and rounds after the earlier effects were held against the last: needless, or another in its place."""
+    chain, rounds = _pruned(session, chain, rounds, stages, newest=len(rounds) - 1)
+    after = exchanged(session, chain[0], chain[-1], rounds)
+    if after.newest is None:
+        return chain, after.rounds
+    stages.append(session.stage("; ".join(after.labels), after.fit.hypothesis))
+    return _pruned(session, [*chain, after.fit], after.rounds, stages, newest=after.newest)
+
+
+def _pruned(
+    session: Session, chain: list[Fit], rounds: list[list[Ranked]], stages: list[Stage], *, newest: int
+) -> tuple[list[Fit], list[list[Ranked]]]:
+    """The models and rounds without the effects that a new one has made needless."""
+    for index, less in pruned(session, chain[0], chain[-1], newest=newest):
+        stages.append(session.stage(f"- {chain[-1].hypothesis.effects[index].label()}", less.hypothesis))
+        chain = [*chain, less]
+        rounds = [*rounds[:index], *rounds[index + 1 :]]
+    return chain, rounds
 
 
 def _ended(

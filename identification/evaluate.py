@@ -289,6 +289,11 @@ class Evaluator:
         errors = [target.nrmse_left(part) for target, part in zip(self.targets, parts, strict=True)]
         return float(np.sqrt(np.mean(np.square(errors))))
 
+    @property
+    def nrmse_of_noise(self) -> float:
+        """What ``nrmse_of`` gives of noise alone."""
+        return float(np.sqrt(np.mean([target.nrmse_of_noise**2 for target in self.targets])))
+
     def responses(self, hypothesis: Hypothesis, settings: Settings | None = None) -> list[Response]:
         """The model's response to every time record, and to what came after it where the test went on.
 

@@ -44,7 +44,7 @@ def judge(
 
     Args:
         views: what to look for suspects in; kinds that act over the length of a record in one of their own, which is
-            left out where another kind reaches the noise without them.
+            left out where another kind reaches the noise without them, from further off.
         fitting: records to refit on.
         base: the calibrated model on those.
         progress: told what is being done.
@@ -59,7 +59,7 @@ def judge(
         if number > 0:
             progress("nothing seen so far reaches the noise; looking from elsewhere")
         sketches = [] if instant is None else look(instant, base, progress)
-        if lasting and (number > 0 or not any(sketch.fit.ratio < REACHED for sketch in sketches)):
+        if lasting and (number > 0 or not any(sketch.fit.ratio < REACHED < base.ratio for sketch in sketches)):
             sketches += [sketch for view in lasting for sketch in beside(view, base, progress)]
             lasting = []
         found = _best(sketches, FINALISTS, REFITS_PER_KIND)
@@ -129,6 +129,22 @@ def _finals(
         evidence = ordered[0].log_evidence - behind
         ordered.append(Ranked(fit_there.hypothesis.effects[-1], fit_there, refitted=False, log_evidence=evidence))
     return ordered
+
+
+def judged_beside(
+    leader: Fit, fitting: Evaluator, base: Fit, rivals: Iterable[Effect], progress: Progress
+) -> list[Ranked]:
+    """A fit's last effect and those of the rivals that come near it beside the same other effects, by evidence.
+
+    Args:
+        leader: with all effects, the one in question last.
+        fitting: records of the fit.
+        base: the same without that effect.
+        rivals: that may stand in its place, with the numbers they begin from.
+        progress: told what is being done.
+    """
+    row = Ranked(leader.hypothesis.effects[-1], leader, refitted=True, log_evidence=0.0)
+    return _settled(fitting, with_evidence([row, *_begun_at_leader(fitting, base, [row], rivals)]), progress)
 
 
 def _against(leader: Fit, fitting: Evaluator, base: Fit, found: Hypothesis) -> tuple[Fit | None, float]:

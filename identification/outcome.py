@@ -3,8 +3,6 @@
 from collections.abc import Sequence
 from math import exp, log
 
-import numpy as np
-
 from identification.evaluate import Evaluator
 from identification.evidence import Ranked, misfit_in_common, probabilities
 from identification.fit import Fit
@@ -73,7 +71,7 @@ def candidates_of(ranked: Sequence[Ranked], chances: Sequence[float], evaluator:
     What was ruled out by the beginning of the records was not refitted: its error is that of the noise, as many times
     as the beginning left it.
     """
-    noise = float(np.sqrt(np.mean([target.nrmse_of_noise**2 for target in evaluator.targets])))
+    noise = evaluator.nrmse_of_noise
     return tuple(
         Candidate(
             r.effect,

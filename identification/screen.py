@@ -86,6 +86,9 @@ def screen(
 ) -> list[Suspect]:
     """Every kind at every place, the most promising first.
 
+    A trial that changes the response by far more than what is left, of which nothing is in proportion any more, is
+    tried again as large as what is left.
+
     Args:
         evaluator: records to judge on.
         base: the calibrated model on the same records.
@@ -97,13 +100,24 @@ def screen(
     trials = _trials(evaluator, base, registry, channels=channels)
     first = [row[len(row) // 2] for row in trials.values()]
     progress(f"screening {len(registry)} kinds of effect at every place: {len(first)} trials")
-    suspects = _tried(evaluator, base, projection, first)
+    seen = list(_residuals(evaluator, base.hypothesis, first))
+    suspects = [_suspect(base, projection, effect, row) for effect, row in seen]
+    smaller = [effect.scaled(size) for effect, row in seen if (size := _size_left(base, row)) < SMALL_ENOUGH]
+    suspects += _tried(evaluator, base, projection, smaller)
     near = {(s.effect.kind, s.effect.place) for s in promising(suspects, PLACES_TO_VARY)}
     rest = [e for key, row in trials.items() if key in near for e in row if e is not row[len(row) // 2]]
     progress(f"trying {len(rest)} other values at the best places")
     suspects += _tried(evaluator, base, projection, rest)
     return sorted(suspects, key=lambda suspect: -suspect.gain)
 
+
+def _size_left(base: Fit, row: FloatArray) -> float:
+    """What is left over how much a trial changes the response."""
+    return float(np.sqrt(base.chi2) / max(np.linalg.norm(row - base.residual), np.finfo(float).tiny))
+
+
+SMALL_ENOUGH = 0.3
+"""Times what is left: larger changes are tried smaller too."""
 
 PLACES_TO_VARY = 3
 """Places of each kind at which all trial values are tried, not only the middle one."""
@@ -154,11 +168,21 @@ BETWEEN = (0.46, 1.0, 2.15)
 
 
 def _tried(evaluator: Evaluator, base: Fit, projection: Projection, trials: Sequence[Effect]) -> list[Suspect]:
-    suspects: list[Suspect] = []
-    for effect, row in _residuals(evaluator, base.hypothesis, trials):
-        gain, factor = projection.gain(row - base.residual, two_sided=_two_sided(effect))
-        suspects.append(Suspect(effect.scaled(factor), gain))
-    return suspects
+    rows = _residuals(evaluator, base.hypothesis, trials)
+    return [_suspect(base, projection, effect, row) for effect, row in rows]
+
+
+def _suspect(base: Fit, projection: Projection, effect: Effect, row: FloatArray) -> Suspect:
+    """A trial at its best size, by what it changes.
+
+    Args:
+        base: the model without it.
+        projection: of that.
+        effect: the trial.
+        row: (n_data,) residual with it.
+    """
+    gain, factor = projection.gain(row - base.residual, two_sided=_two_sided(effect))
+    return Suspect(effect.scaled(factor), gain)
 
 
 def _residuals(

@@ -23,6 +23,11 @@ from models.simulate import Settings
 NOISE_REACHED = 1.15
 """Residual over noise up to which a model has nothing left to explain: the noise itself is known to about a tenth."""
 
+ERROR_REACHED = 1.3
+"""The same for the error, to which all records add alike and loud channels most: what is left in one short record, or
+where the motion is large, hardly shows among all samples. Models of other makers differ from this one by up to a third
+of the noise."""
+
 LAST_ITERATIONS = 6
 """Of the fit of everything."""
 
@@ -40,6 +45,17 @@ COARSEST = 2
 
 REWEIGHING_TOLERANCE = 2e-3
 """Relative decrease of the cost that ends a fit on new weights."""
+
+
+def reaches_noise(evaluator: Evaluator, result: Fit) -> bool:
+    """Whether a model leaves nothing to explain, neither of all samples nor of each record's motion.
+
+    Args:
+        evaluator: records of the fit.
+        result: of them.
+    """
+    error = evaluator.nrmse_of(result.residual)
+    return result.ratio <= NOISE_REACHED and error <= ERROR_REACHED * evaluator.nrmse_of_noise
 
 
 @dataclass
@@ -155,7 +171,7 @@ class Session:
             result: that explains the part.
         """
         ended, whole = self.to_the_end(result), self.all_predicted
-        if ended.n_data <= result.n_data or ended.ratio <= NOISE_REACHED:
+        if ended.n_data <= result.n_data or reaches_noise(whole, ended):
             return False
         self.decide(
             f"{self.fitting.extent} are explained, all {whole.extent} not: residual {ended.ratio:.2f} times the noise; "

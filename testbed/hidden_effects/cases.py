@@ -20,8 +20,9 @@ from testbed.hidden_effects.trials import HELD, LEARNT, MOST_AMPLIFICATION, Tria
 from testbed.hidden_effects.truth import MODEL, Truth, measure
 from testbed.virtual.noise import Noise
 
-MOST_RIGS = 40
-"""Drawn for one case until one has a place for what is to be hidden."""
+MOST_RIGS, RIGS_A_SIZE = 80, 20
+"""Drawn for one case until one has a place for what is to be hidden, and until another size is drawn: some kinds show
+as much as was wanted on no rig."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +76,9 @@ def draw_case(task: Task) -> Case:
     snr_db = SNR.draw(rng)
     wanted = draw_wanted(task, rng)
     turned_down: Counter[str] = Counter()
-    for _ in range(MOST_RIGS):
+    for number in range(MOST_RIGS):
+        if number and number % RIGS_A_SIZE == 0:
+            wanted = draw_wanted(task, rng)
         trial = draw_trial(case_set, chaotic=chaotic, rng=rng)
         drawn = _attempt(task, trial, snr_db, wanted, rng)
         if isinstance(drawn, Case):

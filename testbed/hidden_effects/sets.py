@@ -5,7 +5,8 @@ was looked at is there to tune on: 45 reported cases of seed 2029 showed interva
 sure of themselves, 8 of seed 3107 a start that was missing, 30 of seed 4517 what hangs on one record, a law imitated by
 another with more numbers, and a number known only beside another, 3 of seed 5381 two names for one wall, 21 of seed
 6257 numbers that stay where a second effect had pulled them, 21 of seed 7411 lines read from half a second and numbers
-that the force's noise moved out of their tolerance; the seed below has been drawn since.
+that the force's noise moved out of their tolerance, 67 of seed 8839 a first effect that answers for the second too,
+and a faint second one that trials of ordinary size do not show; the seed below has been drawn since.
 """
 
 from dataclasses import dataclass
@@ -145,7 +146,7 @@ TUNING = CaseSet(
 
 REPORTED = CaseSet(
     name="reported",
-    seed=8839,
+    seed=9461,
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),
     length=Span(0.6, 2.4),

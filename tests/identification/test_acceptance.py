@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from trial_records import REFERENCE, evaluator_of, fit_of, measured, multisine
 
-from identification.acceptance import _refined, verdict_of
+from identification.acceptance import _refined, pruned, verdict_of
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
 from models.effects import Place
@@ -102,3 +102,19 @@ def test_a_table_is_refined_beside_the_effect_that_was_found_after_it():
     assert table.values == pytest.approx(course.values, rel=0.1)
     assert mass.mass == pytest.approx(MASS.mass, rel=0.02)
     assert "time_varying_damping at sleeve 2 described in more detail" in session.decisions[0]
+
+
+def test_the_newest_makes_a_later_one_needless_too():
+    evaluator = evaluator_of(measured(Hypothesis(REFERENCE, effects=(MASS,)), multisine(2048, rms=2.0)))
+    patch = PointMass(Place(position=1.3), mass=0.01)
+    session = Listener()
+    session.fitting = evaluator
+    base = fit(evaluator, Hypothesis(REFERENCE), rig_unknowns(REFERENCE))
+    both = Hypothesis(REFERENCE, effects=(MASS, patch))
+    found = fit(evaluator, both, (*rig_unknowns(REFERENCE), *effect_unknowns(both)))
+
+    ((index, less),) = pruned(session, base, found, newest=0)
+
+    assert index == 1
+    assert [effect.place.position for effect in less.hypothesis.effects] == pytest.approx([0.7], abs=1e-3)
+    assert "beside point_mass at 0.700 m the noise is reached without it" in session.decisions[-1]

@@ -11,7 +11,7 @@ from identification.fit import fit
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
 from identification.outcome import candidates_of
 from identification.prepare import Horizon, cut_to
-from identification.session import Session
+from identification.session import Session, reaches_noise
 from models.effects import EFFECTS, Place
 from models.effects.cubic_stiffness import CubicStiffness
 from models.effects.end_stop import EndStop
@@ -115,3 +115,18 @@ def test_numbers_that_the_forces_noise_pardons_are_asked_for_once_a_calibration(
 
     out.append(found.unknowns[0])
     assert session.left_tolerance(replace(found, penalty=0.0))
+
+
+def test_what_is_left_in_one_short_record_alone_is_not_the_noise():
+    """All samples together hardly show it: most of them are of the other record."""
+    truth = Hypothesis(RIG, effects=(CubicStiffness(Place(), stiffness=2e10),))
+    quiet = measured(truth, multisine(32768, rms=1.0), name="quiet")
+    loud = measured(truth, multisine(512, rms=12.0), name="loud")
+    evaluator = evaluator_of(quiet, loud)
+
+    without = fit(evaluator, Hypothesis(RIG), rig_unknowns(RIG))
+    right = fit(evaluator, truth, rig_unknowns(RIG))
+
+    assert without.ratio < 1.15
+    assert reaches_noise(evaluator, right)
+    assert not reaches_noise(evaluator, without)

@@ -1,0 +1,107 @@
+"""What was found while something else was missing too, judged once more beside what was found after it.
+
+The first effect of several answers for all that is missing at the time, and a law with more numbers bends further
+towards what it is not. Once the others stand, its rivals of that time are tried again in its place: sequential
+replacement, as in A. J. Miller, Subset Selection in Regression (2002), section 3.4.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from identification.evidence import Ranked, reweighed
+from identification.fit import Fit, fit
+from identification.hypothesis import Hypothesis, effect_unknowns
+from identification.judge import judged_beside
+from identification.session import Session
+from models.effects import Effect
+
+MOST_TRIALS = 4
+"""Effects judged again: two of two, and once more what stood beside an exchange."""
+
+MOST_RIVALS = 5
+"""Kinds tried in an effect's place, the best of its round."""
+
+
+@dataclass(frozen=True, eq=False)
+class Exchange:
+    """The model after its effects were judged again.
+
+    Attributes:
+        fit: of the model.
+        rounds: effects ranked beside all others, for each effect of the model.
+        labels: what was exchanged for what, in words.
+        newest: index of the effect that was put in last, if any was.
+    """
+
+    fit: Fit
+    rounds: list[list[Ranked]]
+    labels: tuple[str, ...] = ()
+    newest: int | None = None
+
+
+def exchanged(session: Session, calibrated: Fit, found: Fit, rounds: list[list[Ranked]]) -> Exchange:
+    """Each effect but the last judged again beside the others, and exchanged where another explains more with less.
+
+    Args:
+        session: with the records.
+        calibrated: the model without effects.
+        found: with all of them.
+        rounds: effects ranked in the round of each.
+    """
+    now = Exchange(found, rounds)
+    waiting = list(range(len(found.hypothesis.effects) - 1))
+    for _ in range(MOST_TRIALS):
+        if not waiting:
+            break
+        index = waiting.pop(0)
+        after = _judged_again(session, calibrated, now, index)
+        if len(after.labels) > len(now.labels):
+            waiting = [other for other in range(len(found.hypothesis.effects)) if other != index]
+        now = after
+    return now
+
+
+def _judged_again(session: Session, calibrated: Fit, now: Exchange, index: int) -> Exchange:
+    """One effect judged again."""
+    hypothesis, ranked = now.fit.hypothesis, now.rounds[index]
+    effect, others = hypothesis.effects[index], (*hypothesis.effects[:index], *hypothesis.effects[index + 1 :])
+    rivals = list(_rivals(effect, ranked))
+    beside = " and ".join(other.label() for other in others)
+    session.progress(f"{effect.label()} judged again beside {beside}")
+    try:
+        base = _at(session, calibrated, replace(hypothesis, effects=others))
+        leader = _at(session, calibrated, replace(hypothesis, effects=(*others, effect)))
+        rows = judged_beside(leader, session.fitting, base, rivals, session.progress)
+    except ArithmeticError:  # without the effect nothing stands
+        return now
+    again = [replace(row, refitted=False) for row in ranked if row.effect.kind not in {r.effect.kind for r in rows}]
+    rounds = [*now.rounds[:index], reweighed([ranked[0], *again], rows), *now.rounds[index + 1 :]]
+    best = rows[0]
+    if best.effect.kind == effect.kind:
+        return replace(now, rounds=rounds)
+    effects = (*others[:index], best.effect, *others[index:])
+    last = _at(session, calibrated, replace(best.fit.hypothesis, effects=effects), polished=True)
+    session.decide(
+        f"{effect.label()} exchanged for {best.effect.label()}: beside {beside} that explains the records as well with "
+        f"less, or better; residual from {now.fit.ratio:.2f} to {last.ratio:.2f} times the noise; "
+        f"{best.effect.in_words()}"
+    )
+    label = f"{effect.label()} exchanged for {best.effect.label()}"
+    return Exchange(last, rounds, (*now.labels, label), index)
+
+
+def _rivals(effect: Effect, ranked: Sequence[Ranked]) -> Iterator[Effect]:
+    """The best of each other kind in the round."""
+    seen = {effect.kind}
+    for row in ranked:
+        if row.effect.kind not in seen and len(seen) <= MOST_RIVALS:
+            seen.add(row.effect.kind)
+            yield row.effect
+
+
+def _at(session: Session, calibrated: Fit, hypothesis: Hypothesis, *, polished: bool = False) -> Fit:
+    """The fit of a model where it is, or from there to the end."""
+    unknowns = (*calibrated.unknowns, *effect_unknowns(hypothesis))
+    if polished:
+        return fit(session.fitting, hypothesis, unknowns, precise=True)
+    return fit(session.fitting, hypothesis, unknowns, max_iterations=0, precise=True)
