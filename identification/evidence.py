@@ -8,7 +8,6 @@ import numpy as np
 
 from identification.fit import Fit
 from identification.hypothesis import EffectUnknown, OwnNumber, PlaceUnknown, Unknown
-from models.arrays import FloatArray
 from models.effects import Effect
 
 LEAST_EVIDENCE = 12.0
@@ -49,26 +48,13 @@ def with_evidence(ranked: Sequence[Ranked]) -> list[Ranked]:
 
 
 def log_fit(result: Fit, scale: float) -> float:
-    """Logarithm of the likelihood and the prior where their product is largest, less what all models have in common.
-
-    The fit weighs residuals in units of the noise, and leaves numbers strained that the round's larger unit does not
-    hold there: chi^2 + |x|^2 is least, J r = -P x, where chi^2 / s^2 + |x|^2 is to be. To second order the latter falls
-    by g^T (A / s^2 + P)^-1 g from there to its own minimum, with g = (1 - 1 / s^2) P x and A = J J^T.
+    """Logarithm of the likelihood and the prior at the fit, less what all models have in common.
 
     Args:
         result: of a round.
         scale: ``misfit_in_common`` of the round; what was known beforehand is not measured in it.
     """
-    prior = _prior(result)
-    strain = (1.0 - 1.0 / scale) * prior * np.array([unknown.get(result.hypothesis) for unknown in result.unknowns])
-    told = (np.linalg.inv(result.covariance) - np.diag(prior)) / scale + np.diag(prior)
-    relieved = float(strain @ np.linalg.lstsq(told, strain, rcond=None)[0]) if strain.any() else 0.0
-    return -0.5 * (result.chi2 / scale + result.penalty - relieved)
-
-
-def _prior(result: Fit) -> FloatArray:
-    """(n,) 1 where an unknown's coordinate is known beforehand to 0 +- 1, else 0."""
-    return np.array([1.0 if unknown.prior else 0.0 for unknown in result.unknowns])
+    return -0.5 * (result.chi2 / scale + result.penalty)
 
 
 def log_without(result: Fit, scale: float) -> float:
@@ -82,7 +68,7 @@ def log_without(result: Fit, scale: float) -> float:
     rest = [i for i in range(len(result.unknowns)) if i not in own]
     if not rest:
         return log_fit(result, scale)
-    prior = np.diag(_prior(result))
+    prior = np.diag([1.0 if unknown.prior else 0.0 for unknown in result.unknowns])
     told = (np.linalg.inv(result.covariance) - prior) / scale + prior
     sizes = np.linalg.eigvalsh(told[np.ix_(rest, rest)])
     return log_fit(result, scale) - 0.5 * float(np.log(np.maximum(sizes, LEAST_TOLD)).sum())

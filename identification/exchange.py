@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from identification.evidence import Ranked, reweighed
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, effect_unknowns
-from identification.judge import judged_beside
+from identification.in_its_place import judged_beside
 from identification.session import Session
 from models.effects import Effect
 
@@ -20,6 +20,10 @@ MOST_TRIALS = 4
 
 MOST_RIVALS = 5
 """Kinds tried in an effect's place, the best of its round."""
+
+
+ELSEWHERE = ("time", "measurement")
+"""Families of which none is tried only because it could sit there: they act over whole records, or on channels."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,12 +70,14 @@ def _judged_again(session: Session, calibrated: Fit, now: Exchange, index: int) 
     hypothesis, ranked = now.fit.hypothesis, now.rounds[index]
     effect, others = hypothesis.effects[index], (*hypothesis.effects[:index], *hypothesis.effects[index + 1 :])
     rivals = list(_rivals(effect, ranked))
+    structure = hypothesis.rig.structure.kind
+    kinds = {n: k for n, k in session.registry.items() if structure in k.structures and k.family not in ELSEWHERE}
     beside = " and ".join(other.label() for other in others)
     session.progress(f"{effect.label()} judged again beside {beside}")
     try:
         base = _at(session, calibrated, replace(hypothesis, effects=others))
         leader = _at(session, calibrated, replace(hypothesis, effects=(*others, effect)))
-        rows = judged_beside(leader, session.fitting, base, rivals, session.progress)
+        rows = judged_beside(leader, session.fitting, base, rivals, kinds, session.progress)
     except ArithmeticError:  # without the effect nothing stands
         return now
     again = [replace(row, refitted=False) for row in ranked if row.effect.kind not in {r.effect.kind for r in rows}]

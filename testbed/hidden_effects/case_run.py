@@ -29,7 +29,7 @@ def run_case(task: Task, threads: int = 1, draw: Callable[[Task], Case] = draw_c
         threads: of the diagnosis.
         draw: makes the case; tests give one that is quick.
     """
-    about: Json = {"case": task.name, "set": task.case_set, "kind": task.kind, "number": task.number}
+    about = task.about
     began = perf_counter()
     try:
         with threadpool_limits(1):

@@ -44,7 +44,7 @@ def lost(task: Task, reason: str) -> Json:
         task: the case.
         reason: in words.
     """
-    return {"case": task.name, "set": task.case_set, "kind": task.kind, "number": task.number, "failure": reason}
+    return task.about | {"failure": reason}
 
 
 def _in_own_process(task: Task, run: RunCase, threads: int) -> Json:

@@ -4,9 +4,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from itertools import count, islice
+from typing import Any
 
 from models.effects import EFFECTS, Effect
 from models.errors import InputError
+from testbed.hidden_effects.sets import SETS
 
 NOTHING, TWO, OUTSIDE = "nothing", "two", "outside"
 """Classes besides the kinds of the library: no effect, two of them, a law that the library does not hold."""
@@ -41,6 +43,16 @@ class Task:
     case_set: str
     kind: str
     number: int
+
+    @property
+    def seed(self) -> int:
+        """Of its set; with another one it is another case."""
+        return SETS[self.case_set].seed
+
+    @property
+    def about(self) -> dict[str, Any]:
+        """What its file says of which case it is."""
+        return {"case": self.name, "set": self.case_set, "seed": self.seed, "kind": self.kind, "number": self.number}
 
     @property
     def name(self) -> str:

@@ -32,6 +32,8 @@ def run_hidden_effects(
 ) -> Json:
     """Run the cases that are not there yet, then write the scores of all cases of the set in the folder.
 
+    Cases of another seed, which a set had before, are left alone until one of the same name is run.
+
     Args:
         tasks: cases of one set.
         out: folder of the results; a person may explain cases in its ``explanations.toml``.
@@ -48,13 +50,14 @@ def run_hidden_effects(
         InputError: a folder that cannot be written, or explanations that are not TOML.
     """
     explained = explanations(out)
-    todo = [task for task in tasks if not is_done(path_of(out, task))]
+    todo = [task for task in tasks if not is_done(path_of(out, task), task)]
     progress(f"{len(tasks) - len(todo)} of {len(tasks)} cases are there, {len(todo)} to do")
     for done, (task, case) in enumerate(workers(todo, run, threads) if todo else (), start=1):
         keep_json(path_of(out, task), case)
         progress(f"{done}/{len(todo)} {in_a_line(case)}")
     case_set = tasks[0].case_set
-    cases = [json.loads(file.read_text(encoding="utf-8")) for file in sorted((out / CASES).glob(f"{case_set}-*.json"))]
+    files = [json.loads(file.read_text(encoding="utf-8")) for file in sorted((out / CASES).glob(f"{case_set}-*.json"))]
+    cases = [case for case in files if case.get("seed") == tasks[0].seed]
     summary = summary_of(cases, case_set)
     with staged(out) as stage:
         (stage / SUMMARY).write_text(json_text(summary), encoding="utf-8")
@@ -74,13 +77,17 @@ def path_of(out: Path, task: Task) -> Path:
     return out / CASES / f"{task.name}.json"
 
 
-def is_done(path: Path) -> bool:
-    """Whether a case is there; one that failed is tried again.
+def is_done(path: Path, task: Task) -> bool:
+    """Whether a case is there; one that failed is tried again, and one of another seed is another case.
 
     Args:
         path: of its file.
+        task: the case.
     """
-    return path.exists() and "failure" not in json.loads(path.read_text(encoding="utf-8"))
+    if not path.exists():
+        return False
+    case = json.loads(path.read_text(encoding="utf-8"))
+    return case.get("seed") == task.seed and "failure" not in case
 
 
 def explanations(out: Path) -> dict[str, str]:

@@ -5,7 +5,6 @@ from math import log, pi, sqrt
 
 import numpy as np
 import pytest
-from test_fit import Linear, Number
 from trial_records import REFERENCE, fit_of
 
 from identification.evidence import (
@@ -13,15 +12,13 @@ from identification.evidence import (
     PLACES,
     SIMPLER,
     Ranked,
-    log_fit,
     log_occam,
     log_without,
     probabilities,
     reranked,
     with_evidence,
 )
-from identification.fit import fit
-from identification.hypothesis import Hypothesis, rig_unknowns
+from identification.hypothesis import rig_unknowns
 from models.effects import Place
 from models.effects.bouc_wen import BoucWen
 from models.effects.clearance import Clearance
@@ -157,18 +154,3 @@ def test_a_number_that_an_effect_takes_out_of_play_is_as_wide_as_its_tolerance()
     shared, alone = fit_with(offset, together=True), fit_with(own, together=False)
     assert log_without(shared, 1.0) - log_without(alone, 1.0) == pytest.approx(log(fine), abs=1e-3)
     assert 0.5 * log(shared.covariance[-1, -1] / alone.covariance[-1, -1]) == pytest.approx(-log(fine), abs=1e-3)
-
-
-@pytest.mark.parametrize("scale", [1.0, 40.0])
-def test_a_number_counts_as_strained_only_as_far_as_the_rounds_unit_holds_it(scale):
-    """Of a linear model, the best of chi^2 / scale + |x|^2, from the fit that has the best of chi^2 + |x|^2."""
-    rng = np.random.default_rng(5)
-    matrix = rng.standard_normal((60, 3)) * [3.0, 0.2, 1.0]
-    right = matrix @ [4.0, -3.0, 2.0] + rng.standard_normal(60)
-    numbers = tuple(Number(name, prior=prior) for name, prior in (("a", True), ("b", True), ("c", False)))
-    found = fit(Linear(matrix, right, numbers), Hypothesis(REFERENCE), numbers, tolerance=0.0, precise=True)
-
-    held = np.diag([1.0, 1.0, 0.0])
-    best = np.linalg.solve(matrix.T @ matrix / scale + held, matrix.T @ right / scale)
-    least = np.sum((matrix @ best - right) ** 2) / scale + best @ held @ best
-    assert log_fit(found, scale) == pytest.approx(-0.5 * least, rel=1e-6)

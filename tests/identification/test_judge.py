@@ -3,11 +3,13 @@
 import pytest
 from trial_records import REFERENCE, evaluator_of, fit_of, measured, multisine
 
+from identification import in_its_place
 from identification import judge as judging
 from identification.evidence import Ranked, log_occam
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
-from identification.judge import LEAST_REFITS, RULED_OUT, _best, _finals, _of_the_sleeve, judge
+from identification.in_its_place import RULED_OUT, of_the_sleeve
+from identification.judge import LEAST_REFITS, _best, _finals, judge
 from identification.look import View
 from identification.sketch import FAR_BEHIND, Sketch
 from models.effects import EFFECTS, Place
@@ -85,8 +87,9 @@ def refits(monkeypatch):
         ratio = ratios[found.effects[-1].kind]
         return fit_of(found.effects[-1], 1000.0 * ratio**2), ratio / leader.ratio
 
-    monkeypatch.setattr(judging, "refit", refit)
-    monkeypatch.setattr(judging, "_against", against)
+    for module in (judging, in_its_place):
+        monkeypatch.setattr(module, "refit", refit)
+        monkeypatch.setattr(module, "against", against)
     return ratios, asked
 
 
@@ -147,7 +150,7 @@ def test_those_that_fit_nearly_alike_are_fitted_to_the_end(refits, monkeypatch):
         asked.append((hypothesis.effects[-1].kind, tolerance))
         return fit_of(hypothesis.effects[-1], 990.0 if hypothesis.effects[-1].kind == "point_damping" else 1000.0)
 
-    monkeypatch.setattr(judging, "fit", to_the_end)
+    monkeypatch.setattr(in_its_place, "fit", to_the_end)
     others = PointDamping(HERE, damping=1.0), PointStiffness(HERE, stiffness=1.0)
 
     rows = finals([sketch(MASS, 0.9), *(sketch(effect, 0.89) for effect in others)])
@@ -158,20 +161,20 @@ def test_those_that_fit_nearly_alike_are_fitted_to_the_end(refits, monkeypatch):
 
 @pytest.mark.parametrize(("left", "looked_at"), [(1.05, [False]), (2.0, [False, True])])
 def test_kinds_in_time_are_looked_at_where_no_other_reaches_the_noise(monkeypatch, left, looked_at):
-    asked = []
+    asked, far = [], fit_of(MASS, 4000.0)
 
     def beside(view, base, progress):
         asked.append(view.is_lasting)
-        return [sketch(MASS, 1.0 - left**2 * (1000.0 / BASE.chi2))]
+        return [Sketch(far, fit_of(MASS, 1000.0 * left**2))]
 
     def settled(finalists, sketches, fitting, base, registry, progress):
         return [Ranked(MASS, fit_of(MASS, 1000.0), refitted=True, log_evidence=0.0)]
 
     monkeypatch.setattr(judging, "beside", beside)
     monkeypatch.setattr(judging, "_finals", settled)
-    views = [View(None, BASE, {"point_mass": PointMass}), View(None, BASE, {"wear": Wear})]
+    views = [View(None, far, {"point_mass": PointMass}), View(None, far, {"wear": Wear})]
 
-    judge(views, None, BASE, lambda _: None)
+    judge(views, None, far, lambda _: None)
 
     assert asked == looked_at
 
@@ -187,7 +190,7 @@ def test_a_dashpot_that_came_to_a_sleeve_is_held_against_what_sits_in_it(away):
     dashpot = Hypothesis(REFERENCE, effects=(PointDamping(Place(position=sleeve.position - away), damping=28.0),))
     there = fit(evaluator, dashpot, (*unknowns, *effect_unknowns(dashpot, places=False)))
     leader = Ranked(dashpot.effects[-1], there, refitted=True, log_evidence=0.0)
-    rows = _of_the_sleeve(evaluator, base, [leader], {kind: EFFECTS[kind] for kind in ("squeeze_film", "point_mass")})
+    rows = of_the_sleeve(evaluator, base, [leader], {kind: EFFECTS[kind] for kind in ("squeeze_film", "point_mass")})
     assert [(row.effect.kind, row.effect.place.sleeve) for row in rows] == (
         [("squeeze_film", sleeve.name)] if away < 0.1 else []
     )

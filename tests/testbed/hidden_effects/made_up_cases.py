@@ -1,5 +1,8 @@
 """Finished cases as their files hold them, without a diagnosis."""
 
+from testbed.hidden_effects.plan import Task
+from testbed.hidden_effects.sets import REPORTED
+
 
 def made_up(kind, number, *, right=True, named=None, after=1.0, ratio=8.0, inside=True, engine="fine", **more):
     """One case of the set ``reported``."""
@@ -13,6 +16,7 @@ def made_up(kind, number, *, right=True, named=None, after=1.0, ratio=8.0, insid
     return {
         "case": f"reported-{kind}-{number}",
         "set": "reported",
+        "seed": REPORTED.seed,
         "kind": kind,
         "number": number,
         "engine": engine,
@@ -42,7 +46,7 @@ def made_up(kind, number, *, right=True, named=None, after=1.0, ratio=8.0, insid
 
 def failed(kind, number):
     """One that crashed."""
-    about = {"case": f"reported-{kind}-{number}", "set": "reported", "kind": kind, "number": number}
+    about = Task("reported", kind, number).about
     return about | {"failure": "ValueError: nobody knows"}
 
 

@@ -66,6 +66,19 @@ def test_a_run_that_was_killed_goes_on_without_losing_a_finished_case(tmp_path):
     assert summary["cases"] == 6
 
 
+def test_a_case_of_another_seed_is_another_case(tmp_path):
+    run(tmp_path)
+    file = tmp_path / "cases" / f"{TASKS[0].name}.json"
+    file.write_text(json.dumps(json.loads(file.read_text()) | {"seed": TASKS[0].seed + 1}))
+
+    fewer, _ = run(tmp_path, tasks=TASKS[1:])
+    assert fewer["cases"] == 5
+    summary, told = run(tmp_path)
+
+    assert told[0] == "5 of 6 cases are there, 1 to do"
+    assert summary["cases"] == 6
+
+
 def test_a_case_that_failed_is_kept_and_tried_again(tmp_path):
     summary, _ = run(tmp_path, run_case=lambda task, threads: failed(task.kind, task.number))
     assert len(summary["failed"]) == 6

@@ -1,0 +1,197 @@
+"""What else may stand where the best effect has come to: simpler laws, a sleeve's own, the same at a sleeve.
+
+Whatever explains the records nearly has the rig's numbers nearly right, so others are begun beside those numbers, and
+followed only where they come near.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from math import inf
+
+from identification.calibrate import Windows, beginning, calibrate, concerning
+from identification.evaluate import Evaluator
+from identification.evidence import Ranked, misfit_in_common, with_evidence
+from identification.fit import Fit, fit
+from identification.hypothesis import Hypothesis, free_place, own_unknowns
+from identification.in_step import tried_with
+from identification.progress import Progress, silent
+from identification.scene import is_same_place, sleeves_of
+from identification.screen import Suspect, promising, survey
+from identification.simpler import simpler_ones
+from identification.sketch import TOLERANCE, Sketch
+from models.effects import Effect, Registry
+
+REFIT_WINDOWS: Windows = ((0.35, 2.0),)
+"""The sketch has seen the beginning."""
+
+EXPLAINED = 1.25
+"""Residual over noise at which suspects are not looked for in another way."""
+
+RULED_OUT = 1.3
+"""What is so many times as far off as one that has reached the noise is not fitted further."""
+
+
+def judged_beside(
+    leader: Fit, fitting: Evaluator, base: Fit, known: Iterable[Effect], registry: Registry, progress: Progress
+) -> list[Ranked]:
+    """A fit's last effect and others in its place that come near it beside the same other effects, by evidence.
+
+    Args:
+        leader: with all effects, the one in question last.
+        fitting: records of the fit.
+        base: the same without that effect.
+        known: rivals with the numbers they begin from.
+        registry: kinds that are tried where the effect sits, too.
+        progress: told what is being done.
+    """
+    row = Ranked(leader.hypothesis.effects[-1], leader, refitted=True, log_evidence=0.0)
+    rivals = {effect.kind: effect for effect in (*_seen_there(leader, fitting, base, registry), *known)}
+    return settled_apart(
+        fitting, with_evidence([row, *begun_at_leader(fitting, base, [row], rivals.values())]), progress
+    )
+
+
+def _seen_there(leader: Fit, fitting: Evaluator, base: Fit, registry: Registry) -> list[Effect]:
+    """The best of each kind where the last effect sits, if that has a place along the beam."""
+    position = leader.hypothesis.effects[-1].place.position
+    if position is None:
+        return []
+    return [s.effect for s in _seen_at(position, fitting, base, leader.hypothesis, registry)[:MOST_SEEN]]
+
+
+MOST_SEEN = 6
+"""Kinds tried in an effect's place because they show there."""
+
+
+def against(leader: Fit, fitting: Evaluator, base: Fit, found: Hypothesis) -> tuple[Fit | None, float]:
+    """A model fitted on the beginning, and how many times as far off as the leader it is there.
+
+    It is fitted with the leader's slopes: whatever comes as near to the records has nearly the same.
+    """
+    window = fitting if fitting.at_rest else beginning(fitting, *REFIT_WINDOWS[0])
+    there = fit(window, leader.hypothesis, leader.unknowns, max_iterations=0)
+    unknowns = (*base.unknowns, *own_unknowns(found))
+    slopes = there.jacobian[: len(base.unknowns)]
+    try:
+        first = fit(
+            window, found, unknowns, max_iterations=ITERATIONS_AGAINST, jacobian=slopes, keep=True, tolerance=TOLERANCE
+        )
+    except ArithmeticError:
+        return None, inf
+    return first, first.ratio / there.ratio
+
+
+ITERATIONS_AGAINST = 8
+"""Of a model that has to come near the noise, which another has reached, to be fitted further."""
+
+
+def simpler_rows(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], sketches: Sequence[Sketch]) -> list[Ranked]:
+    """Laws with fewer numbers than the first, begun where it has come to, if it has reached the noise."""
+    if not ranked or ranked[0].fit.ratio > EXPLAINED:
+        return []
+    return begun_at_leader(fitting, base, ranked, simpler_ones(ranked[0].effect, sketches))
+
+
+def of_the_sleeve(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], registry: Registry) -> list[Ranked]:
+    """What can sit in a sleeve alone, tried where the first effect's free place has come to one, if it explains all."""
+    if not ranked or ranked[0].fit.ratio > EXPLAINED or not free_place(ranked[0].effect):
+        return []
+    leader = ranked[0].fit.hypothesis
+    rig, there = leader.rig, ranked[0].effect.place
+    sleeve = next((place for place in sleeves_of(rig) if is_same_place(place, there, rig)), None)
+    kinds = {name: kind for name, kind in registry.items() if kind.places == ("sleeve",)}
+    if sleeve is None or not kinds:
+        return []
+    assert sleeve.position is not None
+    seen = _seen_at(sleeve.position, fitting, base, leader, kinds)
+    return begun_at_leader(fitting, base, ranked, (s.effect for s in seen if s.effect.place == sleeve))
+
+
+def _seen_at(
+    position: float, fitting: Evaluator, base: Fit, leader: Hypothesis, registry: Registry
+) -> Sequence[Suspect]:
+    """The best of each kind at a place, seen from the numbers that a model has without its last effect.
+
+    Args:
+        position: along the beam, m.
+        fitting: records, of which the beginning is looked at.
+        base: the model without the last effect, for its unknowns.
+        leader: the model.
+        registry: kinds to try.
+    """
+    window = fitting if fitting.at_rest else beginning(fitting, *REFIT_WINDOWS[0])
+    bare = replace(leader, effects=leader.effects[:-1])
+    try:
+        ground = fit(window, bare, concerning(base, window), max_iterations=0)
+    except ArithmeticError:
+        return []
+    return promising(survey(window, ground, registry, silent, position), 1)
+
+
+def begun_at_leader(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], effects: Iterable[Effect]) -> list[Ranked]:
+    """Effects begun beside the first one's numbers of the rig, refitted where they come near what it leaves."""
+    leader, rows = ranked[0].fit, []
+    as_good = {row.effect.kind for row in ranked if row.fit.ratio < RULED_OUT * leader.ratio}
+    for effect in effects:
+        if effect.kind in as_good:
+            continue
+        start = tried_with(fitting, replace(base.hypothesis, values=leader.hypothesis.values), effect)
+        first, farther = against(leader, fitting, base, start)
+        if first is None or farther > RULED_OUT:
+            continue
+        result = refit(fitting, base, first.hypothesis.effects[-1], first.hypothesis.values)
+        if result is not None:
+            rows.append(Ranked(result.hypothesis.effects[-1], result, refitted=True, log_evidence=0.0))
+    return rows
+
+
+def at_sleeves(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked]) -> list[Ranked]:
+    """The best effects again at a sleeve that their free place has come to, where they have no place to fit."""
+    rows = []
+    for row in ranked:
+        if row.log_evidence < ranked[0].log_evidence - FOR_A_PLACE or not free_place(row.effect):
+            continue
+        rig = row.fit.hypothesis.rig
+        for place in sleeves_of(rig) if "sleeve" in row.effect.places else ():
+            if is_same_place(place, row.effect.place, rig):
+                result = refit(fitting, base, replace(row.effect, place=place), row.fit.hypothesis.values)
+                if result is not None:
+                    rows.append(Ranked(result.hypothesis.effects[-1], result, refitted=True, log_evidence=0.0))
+    return rows
+
+
+FOR_A_PLACE = 15.0
+"""Evidence that a place to fit costs at most."""
+
+
+def settled_apart(fitting: Evaluator, ranked: list[Ranked], progress: Progress) -> list[Ranked]:
+    """The ranking with those fitted to the end that the refits' tolerance cannot tell from the first."""
+    within = 0.5 * REFIT_TOLERANCE * ranked[0].fit.cost / misfit_in_common(ranked) if ranked else 0.0
+    close = [row for row in ranked if row.refitted and row.log_evidence > ranked[0].log_evidence - within]
+    if not close[1:]:
+        return ranked
+    progress(f"{' and '.join(row.effect.label() for row in close)} fit nearly alike; fitting them to the end")
+    fits = [fit(fitting, row.fit.hypothesis, row.fit.unknowns, tolerance=0.0, precise=True) for row in close]
+    rows = [replace(row, fit=f, effect=f.hypothesis.effects[-1]) for row, f in zip(close, fits, strict=True)]
+    return with_evidence([*rows, *ranked[len(close) :]])
+
+
+def refit(evaluator: Evaluator, base: Fit, effect: Effect, values: Mapping[str, float]) -> Fit | None:
+    """Everything refitted with one more effect; None where the model with it diverges.
+
+    Args:
+        evaluator: records to fit.
+        base: the model without the effect, for its effects and unknowns.
+        effect: where its fit begins.
+        values: of the rig's numbers there.
+    """
+    hypothesis = tried_with(evaluator, replace(base.hypothesis, values=values), effect)
+    try:
+        unknowns = (*base.unknowns, *own_unknowns(hypothesis))
+        return calibrate(evaluator, hypothesis, unknowns, REFIT_WINDOWS, tolerance=REFIT_TOLERANCE)
+    except ArithmeticError:
+        return None
+
+
+REFIT_TOLERANCE = 2e-3
+"""Relative decrease of the cost that ends a refit; the one that wins is polished."""
