@@ -102,7 +102,9 @@ def screen(
     progress(f"screening {len(registry)} kinds of effect at every place: {len(first)} trials")
     seen = list(_residuals(evaluator, base.hypothesis, first))
     suspects = [_suspect(base, projection, effect, row) for effect, row in seen]
-    smaller = [effect.scaled(size) for effect, row in seen if (size := _size_left(base, row)) < SMALL_ENOUGH]
+    changes = [(effect, float(np.linalg.norm(row - base.residual))) for effect, row in seen]
+    left = float(np.sqrt(base.chi2))
+    smaller = [effect.scaled(left / change) for effect, change in changes if left < SMALL_ENOUGH * change]
     suspects += _tried(evaluator, base, projection, smaller)
     near = {(s.effect.kind, s.effect.place) for s in promising(suspects, PLACES_TO_VARY)}
     rest = [e for key, row in trials.items() if key in near for e in row if e is not row[len(row) // 2]]
@@ -111,13 +113,8 @@ def screen(
     return sorted(suspects, key=lambda suspect: -suspect.gain)
 
 
-def _size_left(base: Fit, row: FloatArray) -> float:
-    """What is left over how much a trial changes the response."""
-    return float(np.sqrt(base.chi2) / max(np.linalg.norm(row - base.residual), np.finfo(float).tiny))
-
-
 SMALL_ENOUGH = 0.3
-"""Times what is left: larger changes are tried smaller too."""
+"""Share of a trial's change of the response: where less is left, it is tried again as large as what is left."""
 
 PLACES_TO_VARY = 3
 """Places of each kind at which all trial values are tried, not only the middle one."""

@@ -8,6 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
+from testbed.hidden_effects.bars import interval_of
+
 Json = Mapping[str, Any]
 
 PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
@@ -76,13 +78,14 @@ def plot_calibration(ax: Axes, rows: Sequence[Json]) -> None:
     """
     believed = [row["believed"] for row in rows]
     shares = [row["right"] / row["cases"] for row in rows]
-    spread = [np.sqrt(max(s * (1.0 - s), 0.01) / row["cases"]) for s, row in zip(shares, rows, strict=True)]
+    intervals = np.array([interval_of(row["right"], row["cases"]) for row in rows])
+    spread = np.abs(intervals.T - np.array(shares))
     ax.plot([0.0, 1.0], [0.0, 1.0], color="0.6", linewidth=1.0)
     ax.errorbar(believed, shares, spread, fmt="o", color=RIGHT, capsize=3)
     for x, y, row in zip(believed, shares, rows, strict=True):
         ax.annotate(str(row["cases"]), (x, y), xytext=(-6, 6), textcoords="offset points", ha="right", fontsize=8)
     ax.set(xlim=(0.0, 1.05), ylim=(0.0, 1.05), xlabel="probability of the first effect [-]", ylabel="share right [-]")
-    ax.set_title("cases of one effect; numbers are cases", fontsize=10)
+    ax.set_title("cases of one effect: how many, and the 95 % interval", fontsize=10)
 
 
 def plot_held_out(ax: Axes, rows: Sequence[Json]) -> None:
@@ -101,8 +104,9 @@ def plot_held_out(ax: Axes, rows: Sequence[Json]) -> None:
     for name in dict.fromkeys(classes):
         first = classes.index(name)
         ax.axvline(first - 0.5, color="0.8", linewidth=0.8)
-        ax.annotate(name, (first, 1.0), xycoords=("data", "axes fraction"), xytext=(2, -10),
-                    textcoords="offset points", fontsize=8)  # fmt: skip
+        middle = first + 0.5 * (classes.count(name) - 1)
+        ax.annotate(name.replace(" ", "\n", 1), (middle, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 4),
+                    textcoords="offset points", fontsize=8, ha="center", va="bottom")  # fmt: skip
     ax.set_yscale("log")
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.set(xlabel="case", ylabel="error held out / true noise [-]")

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from scipy.stats import binomtest
+
 Json = dict[str, Any]
 
 
@@ -19,6 +21,7 @@ class Bar:
         cases: behind the value.
         least: whether the bar is a lower bound; else an upper one.
         upper: the other bound where there are two.
+        is_share: whether the value is a share of the cases.
     """
 
     name: str
@@ -28,6 +31,14 @@ class Bar:
     cases: int
     least: bool = True
     upper: float | None = None
+    is_share: bool = False
+
+    @property
+    def interval(self) -> tuple[float, float] | None:
+        """Of 95 %, of a share; None of any other value."""
+        if self.value is None or not self.is_share:
+            return None
+        return interval_of(round(self.value * self.cases), self.cases)
 
     @property
     def met(self) -> bool | None:
@@ -36,6 +47,19 @@ class Bar:
             return None
         within = self.upper is None or self.value <= self.upper
         return within and (self.value >= self.bar if self.least else self.value <= self.bar)
+
+
+def interval_of(hits: int, cases: int) -> tuple[float, float]:
+    """(low, high) in which the share lies with 95 %, however few the cases are.
+
+    Args:
+        hits: cases that count.
+        cases: all, at least 1.
+
+    Source: C. J. Clopper and E. S. Pearson, Biometrika 26 (1934) 404.
+    """
+    low, high = binomtest(hits, cases).proportion_ci(0.95, "exact")
+    return float(low), float(high)
 
 
 def bars_of(figures: Json) -> list[Json]:
@@ -48,16 +72,24 @@ def bars_of(figures: Json) -> list[Json]:
     nothing, outside = figures["nothing hidden"], figures["outside the library"]
     held, numbers, seconds = figures["held_out"], figures["numbers"], figures["seconds"]
     bars: Sequence[Bar] = (
-        Bar("right kind and place first, one effect", one["right_share"], 0.90, 0.97, one["cases"]),
-        Bar("right or in a stated group of at most three", one["in_group_share"], 0.96, 0.99, one["cases"]),
-        Bar('"complete" with nothing hidden', nothing["right_share"], 0.96, 0.99, nothing["cases"]),
-        Bar('"unexplained" outside the library', outside["right_share"], 0.85, 0.95, outside["cases"]),
-        Bar("both of two effects found", two["right_share"], 0.75, 0.90, two["cases"]),
+        Bar("right kind and place first, one effect", one["right_share"], 0.90, 0.97, one["cases"], is_share=True),
+        Bar("right, or in a group of at most three", one["in_group_share"], 0.96, 0.99, one["cases"], is_share=True),
+        Bar('"complete" with nothing hidden', nothing["right_share"], 0.96, 0.99, nothing["cases"], is_share=True),
+        Bar('"unexplained" outside the library', outside["right_share"], 0.85, 0.95, outside["cases"], is_share=True),
+        Bar("both of two effects found", two["right_share"], 0.75, 0.90, two["cases"], is_share=True),
         Bar("error held out after, over the true noise, median", held["median"], 1.1, 1.03, held["cases"], least=False),
         Bar("the same, 90th percentile", held["percentile_90"], 1.5, 1.2, held["cases"], least=False),
-        Bar("numbers inside their 95 % interval", numbers["inside_share"], 0.90, 0.95, numbers["count"], upper=0.98),
+        Bar(
+            "numbers inside their 95 % interval",
+            numbers["inside_share"],
+            0.90,
+            0.95,
+            numbers["count"],
+            upper=0.98,
+            is_share=True,
+        ),
         Bar("seconds of a diagnosis, median", seconds["median"], 60.0, 20.0, seconds["cases"], least=False),
         Bar("cases", float(figures["cases"]), 200.0, 200.0, figures["cases"]),
         Bar("of them with nothing hidden", float(nothing["cases"]), 50.0, 50.0, nothing["cases"]),
     )
-    return [asdict(bar) | {"met": bar.met} for bar in bars]
+    return [asdict(bar) | {"interval": bar.interval, "met": bar.met} for bar in bars]

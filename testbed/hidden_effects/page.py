@@ -78,12 +78,13 @@ def _is_drawn(summary: Json, name: str) -> bool:
 
 
 def _bars(bars: list[Json]) -> Iterator[str]:
-    yield from _heads(("", "reached", "bar", "aim", "met", "of"))
+    yield from _heads(("", "reached", "95 % interval", "bar", "aim", "met", "of"))
     for bar in bars:
         value = "no cases" if bar["value"] is None else f"**{bar['value']:.3g}**"
+        interval = "" if bar["interval"] is None else "{:.2f} to {:.2f}".format(*bar["interval"])
         bound = f"{bar['bar']:g}" + ("" if bar["upper"] is None else f" to {bar['upper']:g}")
         met = {None: "", True: "yes", False: "no"}[bar["met"]]
-        yield f"| {bar['name']} | {value} | {bound} | {bar['aim']:g} | {met} | {bar['cases']} |"
+        yield f"| {bar['name']} | {value} | {interval} | {bound} | {bar['aim']:g} | {met} | {bar['cases']} |"
 
 
 def _rows(summary: Json) -> Iterator[str]:

@@ -96,3 +96,15 @@ def test_progress_says_case_engine_result_and_seconds():
     assert in_a_line(made_up("point_mass", 3, engine="mujoco")) == "reported-point_mass-3 (mujoco): right, 28 s"
     assert in_a_line(made_up("nothing", 1, right=False, named="wear")) == "reported-nothing-1 (fine): WRONG, wear, 26 s"
     assert in_a_line(failed("two", 1)) == "reported-two-1: ValueError: nobody knows"
+
+
+def test_a_share_of_few_cases_lies_in_a_wide_interval():
+    every_one = bar(summary_of([made_up("nothing", n) for n in range(3)], "reported"), '"complete"')
+    assert every_one["interval"] == (pytest.approx(0.025 ** (1 / 3)), 1.0)  # all of three, were the share that low
+    assert bar(summary_of(every_bar_met(), "reported"), '"complete"')["interval"][0] > 0.9
+
+
+def test_only_shares_of_cases_that_are_there_have_an_interval():
+    summary = summary_of([made_up("nothing", 0)], "reported")
+    assert bar(summary, "seconds")["interval"] is None
+    assert bar(summary, "both of two")["interval"] is None
