@@ -16,9 +16,10 @@ from identification.fit import Fit, fit
 from identification.hypothesis import effect_unknowns
 from identification.noise_left import NOISE_NEAR
 from identification.outcome import AT_REST_ONLY
+from identification.reached import NOISE_REACHED, reaches_noise
 from identification.result import Verdict
 from identification.rounds import takes_away
-from identification.session import NOISE_REACHED, Session, reaches_noise
+from identification.session import Session
 from identification.tangent_ties import is_linear
 from identification.unseen import left_unseen
 
@@ -107,10 +108,7 @@ def pruned(session: Session, calibrated: Fit, found: Fit, *, newest: int) -> lis
     index = 0
     while index < len(found.hypothesis.effects):
         less = None if index == newest else fit_without(session, calibrated, found, index)
-        scale = misfit_of(found)
-        if less is not None and (
-            is_enough(session, less) or log_fit(found, scale) - log_fit(less, scale) < LEAST_EVIDENCE
-        ):
+        if less is not None and explains_as_much(session, less, found):
             gone = found.hypothesis.effects[index].label()
             why = "the noise is reached without it" if is_enough(session, less) else "it explains nothing more"
             session.decide(f"{gone} taken out again: beside {new} {why}")
@@ -119,6 +117,18 @@ def pruned(session: Session, calibrated: Fit, found: Fit, *, newest: int) -> lis
         else:
             index += 1
     return taken
+
+
+def explains_as_much(session: Session, less: Fit, found: Fit) -> bool:
+    """Whether a model reaches the noise, or what another with an effect more does beyond it hardly speaks for that one.
+
+    Args:
+        session: with the records.
+        less: the fit of the model with fewer effects.
+        found: of the one with more.
+    """
+    scale = misfit_of(found)
+    return is_enough(session, less) or log_fit(found, scale) - log_fit(less, scale) < LEAST_EVIDENCE
 
 
 def fit_without(session: Session, calibrated: Fit, found: Fit, index: int) -> Fit | None:

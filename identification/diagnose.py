@@ -14,12 +14,14 @@ from identification.established import NOT_ESTABLISHED, unestablished
 from identification.evaluate import carry_noise
 from identification.evidence import Ranked
 from identification.exchange import exchanged
+from identification.fewer import with_fewer
 from identification.fit import Fit
 from identification.hypothesis import Hypothesis
 from identification.in_all_sleeves import fallen_apart, in_all_sleeves
 from identification.outcome import AT_REST_ONLY
 from identification.prepare import cut_to, horizons, prepare
 from identification.progress import Progress, silent
+from identification.relearning import everything_again, fitted_again, relearn, reweigh
 from identification.result import Diagnosis, Stage, Verdict
 from identification.rounds import look_round, told_apart, with_other_starts
 from identification.session import Session
@@ -75,7 +77,7 @@ def diagnose(
     started = with_starts(session.everything, given)
     stages = [session.stage("as given", started)]
     base = calibrate(session.fitting, started, unknowns_of(given, session.fitting))
-    base = session.relearn(session.resolve(base))
+    base = relearn(session, session.resolve(base))
     session.decide(_calibration_in_words(base))
     stages.append(session.stage("calibrated", base.hypothesis))
     _carry(session, base.hypothesis, seed)
@@ -83,13 +85,13 @@ def diagnose(
     rounds: list[list[Ranked]] = []
     for _ in range(MOST_ROUNDS):
         if is_enough(session, chain[-1]) and session.lengthen(chain[-1]):
-            chain, rounds = session.all_again(chain, rounds)
+            chain, rounds = everything_again(session, chain, rounds)
         if len(chain[-1].hypothesis.effects) >= most_effects or is_enough(session, chain[-1]):
             break
         ranked, better = look_round(session, chain[-1])
         if better is not None and not chain[-1].hypothesis.effects:
             session.decide(f"a better calibration was found on the way: residual {better.ratio:.2f} times the noise")
-            learnt = session.relearn(better)
+            learnt = relearn(session, better)
             chain = [learnt]
             stages[-1] = session.stage("calibrated", learnt.hypothesis)
             if is_enough(session, learnt):
@@ -97,14 +99,14 @@ def diagnose(
             if learnt is not better:
                 ranked, _ = look_round(session, learnt)
         rounds.append(told_apart(session, with_other_starts(session, chain[-1], ranked)))
-        chain, rounds = session.reweigh(chain, rounds)
+        chain, rounds = reweigh(session, chain, rounds)
         chosen = accepted(session, chain[-1], rounds[-1])
         if chosen is None:
             break
         chosen = session.resolve(chosen)
-        learnt = session.relearn(chosen)
+        learnt = relearn(session, chosen)
         if learnt is not chosen:
-            chosen, chain = learnt, session.again(chain)
+            chosen, chain = learnt, fitted_again(session, chain)
         chain.append(chosen)
         stages.append(session.stage(f"+ {chosen.hypothesis.effects[-1].label()}", chosen.hypothesis))
         chain, rounds = _revised(session, chain, rounds, stages)
@@ -118,9 +120,21 @@ def diagnose(
 def _revised(
     session: Session, chain: list[Fit], rounds: list[list[Ranked]], stages: list[Stage]
 ) -> tuple[list[Fit], list[list[Ranked]]]:
-    """The models and rounds after the earlier effects were held against the last: needless, or another in its place."""
+    """The models and rounds after the effects were held against each other: needless, others in their places, fewer."""
     chain, rounds = _pruned(session, chain, rounds, stages, newest=len(rounds) - 1)
-    after = exchanged(session, chain[0], chain[-1], rounds)
+    chain, rounds = _exchanged(session, chain, rounds, stages, range(len(rounds) - 1))
+    fewer = with_fewer(session, chain[0], chain[-1], rounds)
+    if fewer is None:
+        return chain, rounds
+    stages.append(session.stage(fewer.label, fewer.fit.hypothesis))
+    return _exchanged(session, [*chain, fewer.fit], fewer.rounds, stages, range(len(fewer.rounds)))
+
+
+def _exchanged(
+    session: Session, chain: list[Fit], rounds: list[list[Ranked]], stages: list[Stage], waiting: Sequence[int]
+) -> tuple[list[Fit], list[list[Ranked]]]:
+    """The models and rounds after some effects were judged again beside the others, and what that made needless."""
+    after = exchanged(session, chain[0], chain[-1], rounds, waiting)
     if after.newest is None:
         return chain, after.rounds
     stages.append(session.stage("; ".join(after.labels), after.fit.hypothesis))

@@ -43,17 +43,20 @@ class Exchange:
     newest: int | None = None
 
 
-def exchanged(session: Session, calibrated: Fit, found: Fit, rounds: list[list[Ranked]]) -> Exchange:
-    """Each effect but the last judged again beside the others, and exchanged where another explains more with less.
+def exchanged(
+    session: Session, calibrated: Fit, found: Fit, rounds: list[list[Ranked]], waiting: Sequence[int]
+) -> Exchange:
+    """Effects judged again beside the others, and exchanged where another explains more with less.
 
     Args:
         session: with the records.
         calibrated: the model without effects.
         found: with all of them.
         rounds: effects ranked in the round of each.
+        waiting: indices of those to judge; once one is exchanged, all others are judged beside it.
     """
     now = Exchange(found, rounds)
-    waiting = list(range(len(found.hypothesis.effects) - 1))
+    waiting = list(waiting)
     for _ in range(MOST_TRIALS):
         if not waiting:
             break
@@ -63,6 +66,21 @@ def exchanged(session: Session, calibrated: Fit, found: Fit, rounds: list[list[R
             waiting = [other for other in range(len(found.hypothesis.effects)) if other != index]
         now = after
     return now
+
+
+def fit_at(session: Session, calibrated: Fit, hypothesis: Hypothesis, *, polished: bool = False) -> Fit:
+    """The fit of a model where it is, or from there to the end.
+
+    Args:
+        session: with the records.
+        calibrated: the model without effects, for its unknowns.
+        hypothesis: the model.
+        polished: to the end.
+    """
+    unknowns = (*calibrated.unknowns, *effect_unknowns(hypothesis))
+    if polished:
+        return fit(session.fitting, hypothesis, unknowns, precise=True)
+    return fit(session.fitting, hypothesis, unknowns, max_iterations=0, precise=True)
 
 
 def _judged_again(session: Session, calibrated: Fit, now: Exchange, index: int) -> Exchange:
@@ -75,18 +93,17 @@ def _judged_again(session: Session, calibrated: Fit, now: Exchange, index: int) 
     beside = " and ".join(other.label() for other in others)
     session.progress(f"{effect.label()} judged again beside {beside}")
     try:
-        base = _at(session, calibrated, replace(hypothesis, effects=others))
-        leader = _at(session, calibrated, replace(hypothesis, effects=(*others, effect)))
+        base = fit_at(session, calibrated, replace(hypothesis, effects=others))
+        leader = fit_at(session, calibrated, replace(hypothesis, effects=(*others, effect)))
         rows = judged_beside(leader, session.fitting, base, rivals, kinds, session.progress)
     except ArithmeticError:  # without the effect nothing stands
         return now
-    again = [replace(row, refitted=False) for row in ranked if row.effect.kind not in {r.effect.kind for r in rows}]
-    rounds = [*now.rounds[:index], reweighed([ranked[0], *again], rows), *now.rounds[index + 1 :]]
+    rounds = [*now.rounds[:index], beside_rows(rows, ranked), *now.rounds[index + 1 :]]
     best = rows[0]
     if best.effect.kind == effect.kind:
         return replace(now, rounds=rounds)
     effects = (*others[:index], best.effect, *others[index:])
-    last = _at(session, calibrated, replace(best.fit.hypothesis, effects=effects), polished=True)
+    last = fit_at(session, calibrated, replace(best.fit.hypothesis, effects=effects), polished=True)
     session.decide(
         f"{effect.label()} exchanged for {best.effect.label()}: beside {beside} that explains the records as well with "
         f"less, or better; residual from {now.fit.ratio:.2f} to {last.ratio:.2f} times the noise; "
@@ -96,6 +113,18 @@ def _judged_again(session: Session, calibrated: Fit, now: Exchange, index: int) 
     return Exchange(last, rounds, (*now.labels, label), index)
 
 
+def beside_rows(rows: Sequence[Ranked], earlier: Sequence[Ranked]) -> list[Ranked]:
+    """A new ranking with what only an earlier one holds, as far behind its best as it was there.
+
+    Args:
+        rows: of the new ranking, all refitted.
+        earlier: sorted.
+    """
+    kinds = {row.effect.kind for row in rows}
+    old = [replace(row, refitted=False) for row in earlier if row.effect.kind not in kinds]
+    return reweighed([earlier[0], *old], rows)
+
+
 def _rivals(effect: Effect, ranked: Sequence[Ranked]) -> Iterator[Effect]:
     """The best of each other kind in the round."""
     seen = {effect.kind}
@@ -103,11 +132,3 @@ def _rivals(effect: Effect, ranked: Sequence[Ranked]) -> Iterator[Effect]:
         if row.effect.kind not in seen and len(seen) <= MOST_RIVALS:
             seen.add(row.effect.kind)
             yield row.effect
-
-
-def _at(session: Session, calibrated: Fit, hypothesis: Hypothesis, *, polished: bool = False) -> Fit:
-    """The fit of a model where it is, or from there to the end."""
-    unknowns = (*calibrated.unknowns, *effect_unknowns(hypothesis))
-    if polished:
-        return fit(session.fitting, hypothesis, unknowns, precise=True)
-    return fit(session.fitting, hypothesis, unknowns, max_iterations=0, precise=True)

@@ -15,7 +15,7 @@ from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, free_place, own_unknowns
 from identification.in_step import tried_with
 from identification.progress import Progress, silent
-from identification.scene import is_same_place, sleeves_of
+from identification.scene import is_same_place, sleeves_of, valley
 from identification.screen import Suspect, promising, survey
 from identification.simpler import simpler_ones
 from identification.sketch import TOLERANCE, Sketch
@@ -56,7 +56,8 @@ def _seen_there(leader: Fit, fitting: Evaluator, base: Fit, registry: Registry) 
     position = leader.hypothesis.effects[-1].place.position
     if position is None:
         return []
-    return [s.effect for s in _seen_at(position, fitting, base, leader.hypothesis, registry)[:MOST_SEEN]]
+    bare = without_last(leader.hypothesis)
+    return [s.effect for s in seen_at(position, fitting, base, bare, registry)[:MOST_SEEN]]
 
 
 MOST_SEEN = 6
@@ -103,29 +104,39 @@ def of_the_sleeve(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], regis
     if sleeve is None or not kinds:
         return []
     assert sleeve.position is not None
-    seen = _seen_at(sleeve.position, fitting, base, leader, kinds)
+    seen = seen_at(sleeve.position, fitting, base, without_last(leader), kinds)
     return begun_at_leader(fitting, base, ranked, (s.effect for s in seen if s.effect.place == sleeve))
 
 
-def _seen_at(
-    position: float, fitting: Evaluator, base: Fit, leader: Hypothesis, registry: Registry
+def seen_at(
+    position: float | None, fitting: Evaluator, base: Fit, bare: Hypothesis, registry: Registry, per_kind: int = 1
 ) -> Sequence[Suspect]:
-    """The best of each kind at a place, seen from the numbers that a model has without its last effect.
+    """The best of each kind at a place, or anywhere, seen from the numbers that a model has without an effect of its.
 
     Args:
-        position: along the beam, m.
+        position: along the beam, m; None for anywhere.
         fitting: records, of which the beginning is looked at.
-        base: the model without the last effect, for its unknowns.
-        leader: the model.
+        base: the model without that effect, for its unknowns.
+        bare: the model itself, without the effect.
         registry: kinds to try.
+        per_kind: places of each kind, in different valleys.
     """
     window = fitting if fitting.at_rest else beginning(fitting, *REFIT_WINDOWS[0])
-    bare = replace(leader, effects=leader.effects[:-1])
     try:
         ground = fit(window, bare, concerning(base, window), max_iterations=0)
     except ArithmeticError:
         return []
-    return promising(survey(window, ground, registry, silent, position), 1)
+    return promising(survey(window, ground, registry, silent, position), per_kind, valley(bare.rig))
+
+
+def without_last(hypothesis: Hypothesis, n_effects: int = 1) -> Hypothesis:
+    """The model without its last effects, all its numbers as they are.
+
+    Args:
+        hypothesis: the model.
+        n_effects: how many are taken out.
+    """
+    return replace(hypothesis, effects=hypothesis.effects[:-n_effects])
 
 
 def begun_at_leader(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], effects: Iterable[Effect]) -> list[Ranked]:

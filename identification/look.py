@@ -14,11 +14,10 @@ from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis
 from identification.lines import Lines, lines_left
 from identification.progress import Progress
-from identification.scene import GRID
+from identification.scene import valley
 from identification.screen import Projection, Suspect, promising, screen, survey
 from identification.sketch import HEATS, Sketch, afresh, heats, sketched_from_calibrated
 from models.effects import Place, Registry
-from models.rig import Beam
 
 PER_KIND = 2
 """Places of each kind that are sketched."""
@@ -71,7 +70,7 @@ def beside(view: View, base: Fit, progress: Progress) -> list[Sketch]:
     start = there.hypothesis if plain else back
     telling = None if plain else _telling(evaluator, start, base)
     if telling is None:
-        seen = promising(screen(evaluator, there, registry, progress, view.channels), PER_KIND, _distance(there))
+        seen = promising(screen(evaluator, there, registry, progress, view.channels), PER_KIND, valley(start.rig))
         effects = [suspect.effect for suspect in first_of_each_kind(seen)[:MOST_LONG_SKETCHES]]
         progress(f"sketching {len(effects)} suspects on {evaluator.extent}")
         starts = [start] if back is start else [start, back]
@@ -79,7 +78,7 @@ def beside(view: View, base: Fit, progress: Progress) -> list[Sketch]:
     (share, seconds), bare = telling
     short = beginning(evaluator, share, seconds)
     found = survey(short, bare, registry, progress, channels=view.channels, lines=view.lines)
-    seen = promising(found, PER_KIND, _distance(there))
+    seen = promising(found, PER_KIND, valley(start.rig))
     progress(f"sketching {len(seen)} suspects on the beginning of the records, the best of them on {evaluator.extent}")
     schedule = ((share, seconds, MOST_LONG_SKETCHES), (1.0, 0.0, MOST_LONG_SKETCHES))
     return heats(evaluator, start, base, [suspect.effect for suspect in seen], registry, schedule, near=True)
@@ -100,7 +99,7 @@ def afar(view: View, base: Fit, progress: Progress) -> list[Sketch]:
     short = beginning(view.evaluator, *HEATS[0][:2])
     bare = fit(short, start, concerning(base, short), max_iterations=0)
     seen = survey(short, bare, view.registry, progress, channels=view.channels, lines=view.lines)
-    found = promising(seen, PER_KIND, _distance(base))
+    found = promising(seen, PER_KIND, valley(start.rig))
     progress(f"sketching {len(found)} suspects on the beginning of the records")
     return heats(view.evaluator, start, base, [suspect.effect for suspect in found], view.registry)
 
@@ -123,12 +122,6 @@ TELLING_WINDOWS: Windows = ((0.02, 0.4), (0.1, 0.75), (0.2, 1.5))
 
 TELLING = 1.3
 """Residual over noise that tells effects apart."""
-
-
-def _distance(base: Fit) -> float:
-    """Distance, m, within which two places of the grid lie in one valley."""
-    structure = base.hypothesis.rig.structure
-    return 1.5 * structure.length / GRID if isinstance(structure, Beam) else 0.0
 
 
 def first_of_each_kind(suspects: Sequence[Suspect]) -> list[Suspect]:

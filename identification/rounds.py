@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from identification.calibrate import concerning
+from identification.elsewhere import elsewhere
 from identification.evaluate import Evaluator
 from identification.evidence import (
     Ranked,
@@ -13,7 +14,9 @@ from identification.fit import Fit, fit
 from identification.judge import judge, restarted
 from identification.look import View
 from identification.prepare import cut_to
-from identification.session import NOISE_REACHED, Session
+from identification.reached import NOISE_REACHED
+from identification.relearning import carried_through
+from identification.session import Session
 from identification.tangent_ties import tied
 from models.effects import Registry
 
@@ -34,7 +37,7 @@ def look_round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
     if suspected:
         session.decide(suspected.words)
         faults = replace(first, registry=suspected.kinds(instant), channels=suspected.channels)
-        ranked = session.carried_through(judge([faults], session.fitting, base, session.progress))
+        ranked = carried_through(session, judge([faults], session.fitting, base, session.progress))
         first = replace(first, channels=suspected.beside(base.hypothesis.rig))
     if not (ranked and ranked[0].fit.ratio <= NOISE_REACHED):
         views = [first]
@@ -81,8 +84,10 @@ def with_other_starts(session: Session, base: Fit, ranked: list[Ranked]) -> list
     """The ranking after other starts were tried for the best effect, where its fit stopped above the noise."""
     if not ranked or ranked[0].fit.ratio <= NOISE_REACHED:
         return ranked
-    session.progress(f"{ranked[0].effect.label()}: the fit stopped above the noise; trying other starts")
-    return reranked(ranked, restarted(session.fitting, base, ranked[0].fit))
+    found = ranked[0].fit
+    session.progress(f"{ranked[0].effect.label()}: the fit stopped above the noise; trying other places and starts")
+    moved = min((found, *elsewhere(session.fitting, base, found, session.registry)), key=lambda each: each.cost)
+    return reranked(ranked, restarted(session.fitting, base, moved))
 
 
 def told_apart(session: Session, ranked: list[Ranked]) -> list[Ranked]:

@@ -96,6 +96,15 @@ SAME_PLACE = 0.02
 """Share of the length within which two positions are one."""
 
 
+def valley(rig: Rig) -> float:
+    """Distance, m, within which two places of the grid lie in one valley.
+
+    Args:
+        rig: whose length counts.
+    """
+    return 1.5 * rig.structure.length / GRID if isinstance(rig.structure, Beam) else 0.0
+
+
 def scenes(
     evaluator: Evaluator, hypothesis: Hypothesis, places: Collection[Place], lines: Lines | None = None
 ) -> dict[Place, Scene]:

@@ -8,31 +8,18 @@ import numpy as np
 from identification.assess import score
 from identification.calibrate import strained, unknowns_of
 from identification.consistency.find import pushed_out
-from identification.evaluate import Evaluator, carry_noise
-from identification.evidence import Ranked, reweighed
+from identification.evaluate import Evaluator
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, effect_unknowns
-from identification.noise import Noise
-from identification.noise_left import noise_left, noise_uncovered, with_noise
 from identification.prepare import Horizon, cut_to, horizons, resolved
 from identification.progress import Progress
+from identification.reached import NOISE_REACHED, reaches_noise
 from identification.result import Stage
 from models.effects import Registry
 from models.simulate import Settings
 
-NOISE_REACHED = 1.15
-"""Residual over noise up to which a model has nothing left to explain: the noise itself is known to about a tenth."""
-
-ERROR_REACHED = 1.3
-"""The same for the error, to which all records add alike and loud channels most: what is left in one short record, or
-where the motion is large, hardly shows among all samples. Models of other makers differ from this one by up to a third
-of the noise."""
-
 LAST_ITERATIONS = 6
 """Of the fit of everything."""
-
-MOST_LOWERINGS = 3
-"""A fit on noise taken far too high is held by the tolerances and leaves more than it would: so it is repeated."""
 
 SEARCH_SHARE = 0.25
 """Share of what the model leaves that coarse steps are weighed against in the search, as the noise is in the fits."""
@@ -42,20 +29,6 @@ MOST_COARSE = 2.0
 
 COARSEST = 2
 """Steps per sample of the search at least; the model's own choice is finer."""
-
-REWEIGHING_TOLERANCE = 2e-3
-"""Relative decrease of the cost that ends a fit on new weights."""
-
-
-def reaches_noise(evaluator: Evaluator, result: Fit) -> bool:
-    """Whether a model leaves nothing to explain, neither of all samples nor of each record's motion.
-
-    Args:
-        evaluator: records of the fit.
-        result: of them.
-    """
-    error = evaluator.nrmse_of(result.residual)
-    return result.ratio <= NOISE_REACHED and error <= ERROR_REACHED * evaluator.nrmse_of_noise
 
 
 @dataclass
@@ -193,119 +166,3 @@ class Session:
                 self.fitting.with_settings(Settings(self.fitting.settings.n_modes)), base.hypothesis, misfit
             )
         return self.everything.with_settings(coarse.settings)
-
-    def relearn(self, result: Fit, *, uncover: bool = False) -> Fit:
-        """The fit again with the noise lowered to what it leaves, for as long as it leaves clearly less.
-
-        Args:
-            result: the best there is.
-            uncover: also tell the noise of excitations that hide theirs.
-        """
-        for _ in range(MOST_LOWERINGS):
-            targets, rng = self.fitting.timed, np.random.default_rng(self.seed)
-            noises = noise_left(self.fitting, result.residual)
-            if uncover:
-                noises = noise_uncovered(self.fitting, result.hypothesis, result.residual, rng)
-            changed = [(t, noise) for t, noise in zip(targets, noises, strict=True) if noise is not t.noise]
-            if not changed:
-                break
-            for target, noise in changed:
-                self.decide(f"{target.record.name}: {_in_words(target.noise, noise)}")
-            by_name = {target.record.name: noise for target, noise in zip(targets, noises, strict=True)}
-            ordered = [by_name[target.record.name] for target in self.everything.timed]
-            self.fitting = with_noise(self.fitting, noises, result.hypothesis, rng)
-            self.everything = with_noise(self.everything, ordered, result.hypothesis, rng)
-            self.relearnt = True
-            result = self.resolve(fit(self.fitting, result.hypothesis, result.unknowns, precise=True))
-        return result
-
-    def carried_through(self, ranked: list[Ranked]) -> list[Ranked]:
-        """The ranking with the excitation's noise carried through its best model, if only then the noise is reached.
-
-        A sensor that reads what another should also has the other's share of that noise.
-
-        Args:
-            ranked: faults of the measurement.
-        """
-        if not ranked or ranked[0].fit.ratio <= NOISE_REACHED:
-            return ranked
-        before, model = (self.everything, self.fitting), ranked[0].fit.hypothesis
-        for_both = [np.random.default_rng(self.seed) for _ in before]
-        self.everything, self.fitting = (
-            each.with_targets(carry_noise(each, model, rng)) for each, rng in zip(before, for_both, strict=True)
-        )
-        _, (again,) = self.all_again([], [ranked])
-        if again[0].fit.ratio <= NOISE_REACHED:
-            return again
-        self.everything, self.fitting = before
-        return ranked
-
-    def reweigh(self, chain: list[Fit], rounds: list[list[Ranked]]) -> tuple[list[Fit], list[list[Ranked]]]:
-        """Fits and evidence on the noise that the best effect of the last round leaves, where that is clearly lower.
-
-        Args:
-            chain: the models so far.
-            rounds: effects ranked in each round.
-        """
-        first = rounds[-1][0] if rounds[-1] and rounds[-1][0].refitted else None
-        found = chain[-1] if first is None else first.fit
-        best = self.relearn(found, uncover=True)
-        if best is found:
-            return chain, rounds
-        self.decide("all models fitted and weighed again on the lower noise")
-        if first is None:
-            chain = [*chain[:-1], best]
-        else:
-            rounds = [*rounds[:-1], [_with_fit(first, best), *rounds[-1][1:]]]
-        return self.all_again(chain, rounds, ended=best)
-
-    def all_again(
-        self, chain: list[Fit], rounds: list[list[Ranked]], ended: Fit | None = None
-    ) -> tuple[list[Fit], list[list[Ranked]]]:
-        """The models so far and every refitted suspect, on the records and the noise as they are now.
-
-        Args:
-            chain: the models so far.
-            rounds: effects ranked in each round.
-            ended: one of them that is there already.
-        """
-        rows = [[row for row in ranked if row.refitted] for ranked in rounds]
-        fits = [self.again([row.fit for row in ranked], ended) for ranked in rows]
-        again = [[_with_fit(*pair) for pair in zip(*both, strict=True)] for both in zip(rows, fits, strict=True)]
-        return self.again(chain, ended), [reweighed(old, new) for old, new in zip(rounds, again, strict=True)]
-
-    def again(self, results: list[Fit], ended: Fit | None = None) -> list[Fit]:
-        """The fits again on the noise as it is now.
-
-        Args:
-            results: each at its minimum under another noise.
-            ended: one of them that is there already.
-        """
-        return [result if result is ended else self._again(result) for result in results]
-
-    def _again(self, result: Fit) -> Fit:
-        return fit(
-            self.fitting,
-            result.hypothesis,
-            result.unknowns,
-            max_iterations=4,
-            tolerance=REWEIGHING_TOLERANCE,
-            precise=True,
-        )
-
-
-def _with_fit(row: Ranked, result: Fit) -> Ranked:
-    return replace(row, fit=result, effect=result.hypothesis.effects[-1])
-
-
-def _in_words(before: Noise, now: Noise) -> str:
-    share = now.sensors / np.maximum(before.sensors, np.finfo(float).tiny)
-    parts = []
-    if np.any(share < 1.0):
-        parts.append(
-            f"the noise of {np.sum(share < 1.0)} sensors lowered, to {share.min():.2g} of its estimate at the least: "
-            "the model leaves no more in its quietest bands"
-        )
-    if now.excitation != before.excitation:
-        parts.append(f"noise of the excitation {now.excitation_method}")
-    return "; ".join(parts)

@@ -2,15 +2,11 @@
 
 import numpy as np
 import pytest
-from trial_records import REFERENCE, evaluator_of, measured, multisine
+from trial_records import beam_session, found_with
 
 from identification.evidence import Ranked
 from identification.exchange import exchanged
-from identification.fit import fit
-from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
-from identification.prepare import Horizon
-from identification.session import Session
-from models.effects import EFFECTS, Place
+from models.effects import Place
 from models.effects.absorber import Absorber
 from models.effects.local_damage import LocalDamage
 from models.effects.point_mass import PointMass
@@ -19,19 +15,11 @@ from models.effects.sensor_gain import SensorGain
 MASS, GAIN = PointMass(Place(position=0.86), mass=0.1), SensorGain(Place(sensor="P4"), gain=0.8)
 STIFF = Absorber(Place(position=0.86), mass=0.1, frequency=2000.0, damping_ratio=0.1)
 DAMAGE = LocalDamage(Place(position=0.5), loss=0.1, width=0.06)
-UNKNOWNS = rig_unknowns(REFERENCE)
 
 
 @pytest.fixture(scope="module")
 def session():
-    record = measured(Hypothesis(REFERENCE, effects=(MASS, GAIN)), multisine(2048, rms=2.0))
-    evaluator = evaluator_of(record)
-    return Session(evaluator, evaluator, [Horizon("test", 1.0, 1.0)], EFFECTS, lambda _: None, 0)
-
-
-def found_with(session, *effects):
-    hypothesis = Hypothesis(REFERENCE, effects=effects)
-    return fit(session.fitting, hypothesis, (*UNKNOWNS, *effect_unknowns(hypothesis)), precise=True)
+    return beam_session(MASS, GAIN)
 
 
 def round_of(session, *effects, beaten=()):
@@ -45,7 +33,7 @@ def after(session, first):
     others = [e for e in (STIFF, MASS) if e is not first]
     rounds = [round_of(session, first, *others, beaten=(DAMAGE,)), round_of(session, GAIN)]
     session.decisions.clear()
-    return exchanged(session, calibrated, found_with(session, first, GAIN), rounds)
+    return exchanged(session, calibrated, found_with(session, first, GAIN), rounds, [0])
 
 
 def test_what_only_imitated_a_law_with_fewer_numbers_is_exchanged_for_it(session):
@@ -78,7 +66,7 @@ def test_a_single_effect_is_left_alone(session):
     found = found_with(session, MASS)
     rounds = [round_of(session, MASS)]
 
-    ended = exchanged(session, found_with(session), found, rounds)
+    ended = exchanged(session, found_with(session), found, rounds, [])
 
     assert ended.fit is found
     assert ended.rounds is rounds

@@ -12,7 +12,9 @@ from identification.evidence import Ranked
 from identification.faults import NO_SUSPICION, suspicion
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, with_own_number
-from identification.session import NOISE_REACHED, Session
+from identification.reached import NOISE_REACHED
+from identification.relearning import carried_through
+from identification.session import Session
 from models.effects import EFFECTS, Place
 from models.effects.base_motion import BaseMotion
 from models.effects.coulomb_friction import CoulombFriction
@@ -88,7 +90,7 @@ def test_exchanged_sensors_reach_the_noise_of_a_shaking_force():
     swapped = fit(evaluator, base.hypothesis.with_effects(SensorSwap(pair)), base.unknowns)
     assert swapped.ratio > NOISE_REACHED
 
-    (found,) = session.carried_through([Ranked(SensorSwap(pair), swapped, refitted=True, log_evidence=0.0)])
+    (found,) = carried_through(session, [Ranked(SensorSwap(pair), swapped, refitted=True, log_evidence=0.0)])
 
     assert found.fit.ratio == pytest.approx(1.0, abs=0.1)
     assert session.fitting is not evaluator
@@ -99,7 +101,7 @@ def test_noise_is_carried_as_before_where_that_does_not_help():
     session = Session(evaluator, evaluator, [], EFFECTS, lambda _: None, 0)
     wrong = Hypothesis(REFERENCE).with_effects(SensorSwap(Place(sensor="P3", other="P6")))
     ranked = [Ranked(wrong.effects[0], fit(evaluator, wrong, ()), refitted=True, log_evidence=0.0)]
-    assert session.carried_through(ranked) is ranked
+    assert carried_through(session, ranked) is ranked
     assert session.fitting is session.everything is evaluator
 
 

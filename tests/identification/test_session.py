@@ -4,33 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from trial_records import evaluator_of, measured, multisine, oscillator
+from trial_records import OSCILLATOR, evaluator_of, measured, multisine, rising_session
 
-from identification.evidence import Ranked
 from identification.fit import fit
-from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
-from identification.outcome import candidates_of
-from identification.prepare import Horizon, cut_to
-from identification.session import Session, reaches_noise
-from models.effects import EFFECTS, Place
+from identification.hypothesis import Hypothesis, rig_unknowns
+from identification.reached import reaches_noise
+from models.effects import Place
 from models.effects.cubic_stiffness import CubicStiffness
 from models.effects.end_stop import EndStop
 
-RIG = oscillator()
-LATE = np.linspace(0.05, 1.0, 8192) ** 3
-"""The force grows: what is nonlinear shows in the later part only."""
-
-
-def session_on(truth, seconds):
-    everything = evaluator_of(measured(truth, LATE * multisine(8192, rms=200.0), name="rising"))
-    limits = [Horizon("rising", 1.0, 4.0)]
-    session = Session(everything, cut_to(everything, seconds, limits), limits, EFFECTS, lambda _: None, 0)
-    return session, fit(session.fitting, Hypothesis(RIG), rig_unknowns(RIG), precise=True)
-
 
 def test_what_only_the_end_of_a_record_shows_makes_the_whole_of_it_count():
-    truth = Hypothesis(RIG, effects=(CubicStiffness(Place(), stiffness=2e10),))
-    session, part = session_on(truth, 1.0)
+    truth = Hypothesis(OSCILLATOR, effects=(CubicStiffness(Place(), stiffness=2e10),))
+    session, part = rising_session(truth, 1.0)
     assert part.ratio < 1.15
 
     assert session.lengthen(part)
@@ -39,24 +25,8 @@ def test_what_only_the_end_of_a_record_shows_makes_the_whole_of_it_count():
     assert "are explained, all 4.0 s of records not" in session.decisions[-1]
 
 
-def test_what_was_ranked_on_the_part_is_ranked_on_the_whole():
-    effect = CubicStiffness(Place(), stiffness=2e10)
-    session, part = session_on(Hypothesis(RIG, effects=(effect,)), 1.0)
-    added = Hypothesis(RIG, effects=(effect,))
-    unknowns = (*rig_unknowns(RIG), *effect_unknowns(added))
-    suspect = fit(session.fitting, added, unknowns, max_iterations=0)  # the part hardly tells its size
-    row = Ranked(effect, suspect, refitted=True, log_evidence=0.0)
-    session.lengthen(part)
-
-    chain, rounds = session.all_again([part], [[row]])
-
-    assert chain[0].n_data == rounds[0][0].fit.n_data == session.fitting.n_data > suspect.n_data
-    (told,) = candidates_of(rounds[0], [1.0], session.fitting)
-    assert told.nrmse == pytest.approx(session.fitting.targets[0].nrmse_of_noise, rel=0.1)
-
-
 def test_a_part_is_enough_where_the_whole_is_explained_too():
-    session, part = session_on(Hypothesis(RIG), 1.0)
+    session, part = rising_session(Hypothesis(OSCILLATOR), 1.0)
 
     assert not session.lengthen(part)
 
@@ -65,7 +35,7 @@ def test_a_part_is_enough_where_the_whole_is_explained_too():
 
 
 def test_the_last_fit_is_made_once_for_the_same_records():
-    session, part = session_on(Hypothesis(RIG), 1.0)
+    session, part = rising_session(Hypothesis(OSCILLATOR), 1.0)
 
     first = session.to_the_end(part)
 
@@ -75,19 +45,9 @@ def test_the_last_fit_is_made_once_for_the_same_records():
     assert session.to_the_end(part) is not first
 
 
-def test_a_fit_that_has_ended_is_not_made_again():
-    session, part = session_on(Hypothesis(RIG), 1.0)
-    ended, other = session.again([part, part])
-
-    chain, _ = session.all_again([ended, other], [], ended=ended)
-
-    assert chain[0] is ended
-    assert chain[1] is not other
-
-
 def test_a_record_is_used_as_far_as_the_model_that_explains_it_sees():
-    parting = Hypothesis(RIG, effects=(EndStop(Place(), stiffness=1e7, gap=1e-3),))
-    session, part = session_on(parting, 0.5)
+    parting = Hypothesis(OSCILLATOR, effects=(EndStop(Place(), stiffness=1e7, gap=1e-3),))
+    session, part = rising_session(parting, 0.5)
     assert part.ratio < 1.15  # the stop is not reached yet
     found = fit(session.fitting, parting, part.unknowns, max_iterations=0)
 
@@ -100,8 +60,8 @@ def test_a_record_is_used_as_far_as_the_model_that_explains_it_sees():
 
 
 def test_numbers_that_the_forces_noise_pardons_are_asked_for_once_a_calibration(monkeypatch):
-    truth = Hypothesis(RIG.with_values({"stiffness": RIG.structure.stiffness * np.exp(6 * 0.03)}))
-    session, off = session_on(truth, 1.0)
+    truth = Hypothesis(OSCILLATOR.with_values({"stiffness": OSCILLATOR.structure.stiffness * np.exp(6 * 0.03)}))
+    session, off = rising_session(truth, 1.0)
     found = replace(off, chi2=float(off.n_data))  # as if the noise were reached
     asked, told, out = [], [], []
     session.progress = told.append
@@ -119,13 +79,13 @@ def test_numbers_that_the_forces_noise_pardons_are_asked_for_once_a_calibration(
 
 def test_what_is_left_in_one_short_record_alone_is_not_the_noise():
     """All samples together hardly show it: most of them are of the other record."""
-    truth = Hypothesis(RIG, effects=(CubicStiffness(Place(), stiffness=2e10),))
+    truth = Hypothesis(OSCILLATOR, effects=(CubicStiffness(Place(), stiffness=2e10),))
     quiet = measured(truth, multisine(32768, rms=1.0), name="quiet")
     loud = measured(truth, multisine(512, rms=12.0), name="loud")
     evaluator = evaluator_of(quiet, loud)
 
-    without = fit(evaluator, Hypothesis(RIG), rig_unknowns(RIG))
-    right = fit(evaluator, truth, rig_unknowns(RIG))
+    without = fit(evaluator, Hypothesis(OSCILLATOR), rig_unknowns(OSCILLATOR))
+    right = fit(evaluator, truth, rig_unknowns(OSCILLATOR))
 
     assert without.ratio < 1.15
     assert reaches_noise(evaluator, right)

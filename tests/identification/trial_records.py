@@ -6,9 +6,12 @@ from pathlib import Path
 import numpy as np
 
 from identification.evaluate import Evaluator, TimeTarget
-from identification.fit import Fit
-from identification.hypothesis import Hypothesis, effect_unknowns
+from identification.fit import Fit, fit
+from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
 from identification.noise import Noise
+from identification.prepare import Horizon, cut_to
+from identification.session import Session
+from models.effects import EFFECTS
 from models.excitations import logarithmic_sweep, random_phase_multisine
 from models.record import Record
 from models.rig import Excitation, Oscillator, Rig, Sensor
@@ -65,6 +68,34 @@ def moved(rig, *sigmas):
     return Hypothesis(
         rig, values={p.path: p.value * np.exp(s * p.tolerance) for p, s in zip(parameters, sigmas, strict=True)}
     )
+
+
+OSCILLATOR = oscillator()
+
+
+def rising_session(truth, seconds):
+    """A session that fits so many seconds of 4 s in which the force grows, and the oscillator's fit on them.
+
+    What is nonlinear shows in the later part only.
+    """
+    force = np.linspace(0.05, 1.0, 8192) ** 3 * multisine(8192, rms=200.0)
+    everything = evaluator_of(measured(truth, force, name="rising"))
+    limits = [Horizon("rising", 1.0, 4.0)]
+    session = Session(everything, cut_to(everything, seconds, limits), limits, EFFECTS, lambda _: None, 0)
+    return session, fit(session.fitting, Hypothesis(OSCILLATOR), rig_unknowns(OSCILLATOR), precise=True)
+
+
+def beam_session(*effects, n=2048, rms=2.0):
+    """A session on one short record of the reference rig with these effects."""
+    evaluator = evaluator_of(measured(Hypothesis(REFERENCE, effects=effects), multisine(n, rms=rms)))
+    return Session(evaluator, evaluator, [Horizon("test", 1.0, n / FS)], EFFECTS, lambda _: None, 0)
+
+
+def found_with(session, *effects, iterations=12):
+    """The fit of the reference rig with these effects."""
+    hypothesis = Hypothesis(REFERENCE, effects=effects)
+    unknowns = (*rig_unknowns(REFERENCE), *effect_unknowns(hypothesis))
+    return fit(session.fitting, hypothesis, unknowns, max_iterations=iterations, precise=True)
 
 
 def fit_of(effect, chi2, *, std=0.01, n_data=1000, places=False):

@@ -1,0 +1,38 @@
+"""Models and rankings follow what a diagnosis fits on, and the noise as it is known."""
+
+import pytest
+from trial_records import OSCILLATOR, rising_session
+
+from identification.evidence import Ranked
+from identification.fit import fit
+from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
+from identification.outcome import candidates_of
+from identification.relearning import everything_again, fitted_again
+from models.effects import Place
+from models.effects.cubic_stiffness import CubicStiffness
+
+
+def test_what_was_ranked_on_the_part_is_ranked_on_the_whole():
+    effect = CubicStiffness(Place(), stiffness=2e10)
+    session, part = rising_session(Hypothesis(OSCILLATOR, effects=(effect,)), 1.0)
+    added = Hypothesis(OSCILLATOR, effects=(effect,))
+    unknowns = (*rig_unknowns(OSCILLATOR), *effect_unknowns(added))
+    suspect = fit(session.fitting, added, unknowns, max_iterations=0)  # the part hardly tells its size
+    row = Ranked(effect, suspect, refitted=True, log_evidence=0.0)
+    session.lengthen(part)
+
+    chain, rounds = everything_again(session, [part], [[row]])
+
+    assert chain[0].n_data == rounds[0][0].fit.n_data == session.fitting.n_data > suspect.n_data
+    (told,) = candidates_of(rounds[0], [1.0], session.fitting)
+    assert told.nrmse == pytest.approx(session.fitting.targets[0].nrmse_of_noise, rel=0.1)
+
+
+def test_a_fit_that_has_ended_is_not_made_again():
+    session, part = rising_session(Hypothesis(OSCILLATOR), 1.0)
+    ended, other = fitted_again(session, [part, part])
+
+    chain, _ = everything_again(session, [ended, other], [], ended=ended)
+
+    assert chain[0] is ended
+    assert chain[1] is not other
