@@ -15,12 +15,11 @@ from models.record import Record
 from models.rig import EffectEntry
 from models.rig_file import read_rig
 from testbed.add import Added, add_effect, pattern_of
-from testbed.compare_json import Json
 from testbed.compare_run import write_comparison
 from testbed.history import Model, remember
 from testbed.inputs import Inputs
 from testbed.loop import estimate_json, identity, rig_of
-from testbed.outputs import staged
+from testbed.outputs import Json, staged
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,8 +8,7 @@ from identification.metrics import BAND_LINES, channel_csac, channel_csf, frac, 
 from identification.result import RecordScore
 from models.arrays import FloatArray
 from testbed.compare import Comparison, FrfPair, ModePair
-
-Json = dict[str, Any]
+from testbed.outputs import Json
 
 
 def comparison_json(comparison: Comparison) -> Json:

@@ -5,10 +5,10 @@ from pathlib import Path
 from identification.hypothesis import Hypothesis
 from models.rig import Rig
 from testbed.compare import Comparison, compare
-from testbed.compare_json import Json, comparison_json
+from testbed.compare_json import comparison_json
 from testbed.figures.comparison import save_comparison
 from testbed.inputs import Inputs
-from testbed.outputs import json_text, staged
+from testbed.outputs import Json, json_text, staged
 
 COMPARISON, FIGURES = "compare.json", "figures"
 

@@ -1,7 +1,6 @@
 """A diagnosis as ``diagnosis.json`` and as an updated rig: what scripts, benchmarks and the next round read."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -22,9 +21,8 @@ from models.arrays import FloatArray
 from models.effects import Effect, entry_of
 from models.record import AnyRecord
 from models.rig import Rig
+from testbed.outputs import Json
 from testbed.proposal import proposal_json
-
-Json = dict[str, Any]
 
 
 def diagnose_to_json(

@@ -16,6 +16,9 @@ import numpy as np
 from models.errors import InputError
 from testbed import __version__
 
+Json = dict[str, Any]
+"""What a JSON file holds."""
+
 LAST = "run.json"
 """Moved into place after all others: whoever finds it finds a finished run."""
 

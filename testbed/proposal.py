@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import tomlkit
 
@@ -11,8 +10,7 @@ from identification.next_experiment.proposal import Option, Proposal
 from identification.next_experiment.words import sigmas
 from models.effects import Effect, entry_of
 from models.rig_file import write_rig
-
-Json = dict[str, Any]
+from testbed.outputs import Json
 
 EXPERIMENT, RIG = "next_experiment.toml", "next_rig.toml"
 

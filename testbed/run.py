@@ -9,8 +9,8 @@ from pathlib import Path
 from identification.progress import Progress
 from testbed.history import UPDATED, Model, remember
 from testbed.inputs import Inputs, sha256
-from testbed.loop import Json, diagnosis_json, rig_of
-from testbed.outputs import LAST, json_text, staged
+from testbed.loop import diagnosis_json, rig_of
+from testbed.outputs import LAST, Json, json_text, staged
 from testbed.proposal import stale, write_experiment
 
 DIAGNOSIS, REPORT = "diagnosis.json", "report.html"

@@ -25,13 +25,11 @@ from testbed import __version__
 from testbed.figures.contact import contact_figure, orbit_figure
 from testbed.figures.save import save
 from testbed.inputs import sha256
-from testbed.outputs import json_text, staged
+from testbed.outputs import Json, json_text, staged
 from testbed.records.write import node_at, write_record
 from testbed.virtual.campaign import Run, runs_of
 from testbed.virtual.experiment import Experiment, read_experiment
 from testbed.virtual.laboratory import Laboratory, carry_out, laboratory_of
-
-Json = dict[str, Any]
 
 TRUTH, SIMULATION = "truth.toml", "simulation.json"
 

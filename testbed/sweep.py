@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -11,9 +10,8 @@ from models.errors import InputError
 from models.harmonic_balance import PeriodicCurve, backbone, from_both_ends
 from models.plant import Plant, build_plant
 from models.rig import Rig
+from testbed.outputs import Json
 from testbed.quantities import unit_of
-
-Json = dict[str, Any]
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,14 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from models.arrays import FloatArray
 from testbed.article.three_models import DIAGNOSED, INITIAL, UPDATED
-
-Json = dict[str, Any]
+from testbed.outputs import Json
 
 MAC_GAIN, MAC_ENOUGH = 0.4397, 0.98
 MRE_LESS, RMSE_LESS = 0.326, 0.1819

@@ -5,7 +5,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import as_completed
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from identification.progress import Progress
 from models.errors import InputError
@@ -13,12 +12,10 @@ from models.record import Record
 from testbed.article.bench import FS, STRUCK, TAPPED, TAPS, BenchTest, bench_test, struck_by, taps_of
 from testbed.article.rig import Drive, Geometry
 from testbed.article.truth import truth_of
-from testbed.outputs import digest_of, keep_json
+from testbed.outputs import Json, digest_of, keep_json
 from testbed.records.read import read_record
 from testbed.records.write import write_record
 from testbed.simulate_run import processes
-
-Json = dict[str, Any]
 
 KEPT = "records"
 """Folder of the records; they are made again where they are missing, and are no part of the results."""

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -13,8 +12,7 @@ from testbed.article.rig import Geometry
 from testbed.article.three_models import DIAGNOSED, INITIAL, UPDATED, ThreeModels
 from testbed.article.truth import truth_of
 from testbed.article.updating import closed_at_rest, identified_without_error
-
-Json = dict[str, Any]
+from testbed.outputs import Json
 
 EXACT, EXACT_RIG, PERFECT = "identified without error", "and all numbers true", "perfect"
 """Three that nobody has. The updated model as an identifier without error would make it; the same with clearances and

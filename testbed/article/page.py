@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import asdict
-from typing import Any
 
 from models.effects import entry_of
 from models.rig import EffectEntry
@@ -29,8 +28,7 @@ from testbed.article.uncertain_tables import (
     slew_table,
     without_uncertainty,
 )
-
-Json = dict[str, Any]
+from testbed.outputs import Json
 
 MILLI = 1e3
 

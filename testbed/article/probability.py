@@ -1,7 +1,6 @@
 """Section 4.3 of the article and beyond it: what uncertain numbers do to frequencies and to the struck response."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from scipy.stats import gaussian_kde
@@ -32,9 +31,7 @@ from testbed.article.uncertain import (
     difference,
     posterior,
 )
-from testbed.outputs import digest_of, kept
-
-Json = dict[str, Any]
+from testbed.outputs import Json, digest_of, kept
 
 KEPT = "probability.json"
 

@@ -8,14 +8,14 @@ from pathlib import Path
 from identification.progress import Progress
 from models.errors import InputError
 from models.rig_file import write_rig
-from testbed.article.page import Json, article_json, page_of
+from testbed.article.page import article_json, page_of
 from testbed.article.rig import CALIBRATED_AT, POINTS_AT
 from testbed.article.study import DRIVES, ArticleStudy, article_study, quick_extent, whole_extent
 from testbed.figures.article import frequencies_figure, sines_figure
 from testbed.figures.article_models import clearances_figure, correlation_figure, damping_figure, frf_figure
 from testbed.figures.article_uncertain import coincidence_figure, emulator_figure, shares_figure, slews_figure
 from testbed.figures.save import save
-from testbed.outputs import json_text, staged
+from testbed.outputs import Json, json_text, staged
 
 NAMED_POINTS = {"P3": "clearance 1", "P5": "clearance 2", "P1": "front", f"P{len(POINTS_AT)}": "end"}
 """The four points that the article draws first."""

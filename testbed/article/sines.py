@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from math import ceil
 from time import process_time
-from typing import Any
 
 import numpy as np
 
@@ -17,8 +16,7 @@ from models.simulators import simulator
 from models.simulators.protocol import Resolution, Trial
 from testbed.article.rig import BAND as MODES_UP_TO
 from testbed.article.rig import TIP, Geometry
-
-Json = dict[str, Any]
+from testbed.outputs import Json
 
 AMPLITUDES = (1.0, 5.0, 20.0)
 """N: below the first strike, about where a sleeve opens, and far above."""

@@ -2,14 +2,11 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from identification.progress import Progress
 from testbed.article.rig import Geometry
 from testbed.article.sines import AMPLITUDES, CHOICES, curve_json, sines, sines_json, spine
-from testbed.outputs import digest_of, kept
-
-Json = dict[str, Any]
+from testbed.outputs import Json, digest_of, kept
 
 KEPT = "sines"
 

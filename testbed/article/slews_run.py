@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from identification.progress import Progress
 from models.arrays import FloatArray
@@ -25,10 +24,8 @@ from testbed.article.slew import (
 )
 from testbed.article.three_models import ThreeModels
 from testbed.article.truth import truth_of
-from testbed.outputs import digest_of, kept
+from testbed.outputs import Json, digest_of, kept
 from testbed.simulate_run import processes
-
-Json = dict[str, Any]
 
 KEPT = "slews"
 

@@ -11,12 +11,13 @@ from testbed.article.probability import probability
 from testbed.article.published import PrintedTest, published
 from testbed.article.reading import tapped_modes
 from testbed.article.rig import CALIBRATED_AT, Drive, Geometry, at_rest, calibrated, natural_freqs
-from testbed.article.sines_run import Json, all_sines
+from testbed.article.sines_run import all_sines
 from testbed.article.slews_run import all_slews
 from testbed.article.strikes import Strikes, strikes
 from testbed.article.tables import JUDGE
 from testbed.article.three_models import KEPT, Search, ThreeModels, three_models
 from testbed.article.uncertain import SAMPLES
+from testbed.outputs import Json
 
 DRIVES: tuple[Drive, ...] = ("table", "force")
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
@@ -10,8 +9,7 @@ from testbed.article.bars import Bar, all_of, bars_of
 from testbed.article.compared import EXACT, EXACT_RIG, PERFECT
 from testbed.article.published import PrintedTest
 from testbed.article.three_models import INITIAL, MODELS, UPDATED
-
-Json = dict[str, Any]
+from testbed.outputs import Json
 
 MILLI = 1e3
 

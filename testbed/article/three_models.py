@@ -8,7 +8,6 @@ same fault: it looks at one clearance, and what it finds there is fitted anew to
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from identification.assess import fit_effects
 from identification.diagnose import MOST_EFFECTS, diagnose
@@ -23,9 +22,7 @@ from testbed.article.bench import BenchTest
 from testbed.article.reading import tapped_modes
 from testbed.article.updating import updated
 from testbed.loop import diagnosis_json, rig_of, updated_rig
-from testbed.outputs import digest_of, kept
-
-Json = dict[str, Any]
+from testbed.outputs import Json, digest_of, kept
 
 KEPT = "models"
 

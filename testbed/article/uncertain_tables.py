@@ -1,12 +1,10 @@
 """Tables 6 and 7 of the article, what stands beside them, and the slews, in Markdown."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 from testbed.article.published import published_probability
 from testbed.article.uncertain import ACCEPTABLE, BURNT, CONDITIONS, CONFIDENCE, STEPS, WALKERS
-
-Json = dict[str, Any]
+from testbed.outputs import Json
 
 MILLI = 1e3
 

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -22,10 +21,8 @@ from testbed.channels import Channels, channels_of_file
 from testbed.figures.budget import budget_figure
 from testbed.figures.save import save
 from testbed.inputs import check_names, read_inputs
-from testbed.outputs import json_text, staged
+from testbed.outputs import Json, json_text, staged
 from testbed.quantities import unit_of
-
-Json = dict[str, Any]
 
 
 @dataclass(frozen=True)

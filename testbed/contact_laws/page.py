@@ -2,15 +2,13 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
 
 from testbed.contact_laws import ball_study, beam_study
 from testbed.contact_laws.ball_study import SPEEDS, BallRow
 from testbed.contact_laws.beam_study import FRF_SET, HOLDS, BeamRow, FrfRow
 from testbed.contact_laws.laws import STUDY_LAWS
 from testbed.crosscheck.measures import LEVEL
-
-Json = dict[str, Any]
+from testbed.outputs import Json
 
 BOUND = 0.01
 """Largest difference between simulators that counts as agreement."""

@@ -11,10 +11,10 @@ from models.rig_file import read_rig
 from testbed.contact_laws.ball_study import ball_study, strikes
 from testbed.contact_laws.beam_study import beam_study, frf_study
 from testbed.contact_laws.laws import STUDY_LAWS
-from testbed.contact_laws.page import Json, Study, page_of, study_json
+from testbed.contact_laws.page import Study, page_of, study_json
 from testbed.figures.contact_laws import LOOP_SET, LOOP_SPEED, beam_figure, loops_figure, restitution_figure
 from testbed.figures.save import save
-from testbed.outputs import json_text, staged
+from testbed.outputs import Json, json_text, staged
 
 
 def run_contact_laws(rig_path: Path, out: Path, *, command: Sequence[str], progress: Progress) -> Json:

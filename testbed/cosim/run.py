@@ -1,7 +1,6 @@
 """A co-simulation over files: cosim.json and its picture."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -13,9 +12,7 @@ from testbed.cosim.measures import Measures, effect_of, measures_of
 from testbed.cosim.plan import Plan, Wish, plan_of
 from testbed.figures.cosim import cosim_figure
 from testbed.figures.save import save
-from testbed.outputs import json_text, staged
-
-Json = dict[str, Any]
+from testbed.outputs import Json, json_text, staged
 
 OFTEN = 0.05
 """Share of estimates that contradict themselves from which on it is said; chance makes a quarter of a percent."""

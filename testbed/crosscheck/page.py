@@ -1,10 +1,7 @@
 """``crosscheck.json`` and the page beside it: where the simulators agree, where not, and why."""
 
-from typing import Any
-
 from testbed.crosscheck.study import CrossCheck
-
-Json = dict[str, Any]
+from testbed.outputs import Json
 
 WHY = """\
 ## Why they differ

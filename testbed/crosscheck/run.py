@@ -7,11 +7,11 @@ from pathlib import Path
 from identification.progress import Progress
 from models.plant import build_plant
 from models.rig_file import read_rig
-from testbed.crosscheck.page import Json, crosscheck_json, page_of
+from testbed.crosscheck.page import crosscheck_json, page_of
 from testbed.crosscheck.study import crosscheck
 from testbed.figures.crosscheck import bounds_figure, convergence_figure, sleeves_figure
 from testbed.figures.save import save
-from testbed.outputs import json_text, staged
+from testbed.outputs import Json, json_text, staged
 
 
 def run_crosscheck(

@@ -2,12 +2,10 @@
 
 from collections.abc import Sequence
 from difflib import get_close_matches
-from typing import Any
 
 from models.effects import EFFECTS
 from models.errors import InputError
-
-Json = dict[str, Any]
+from testbed.outputs import Json
 
 
 def chosen(names: Sequence[str]) -> list[str]:

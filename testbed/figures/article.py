@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from testbed.article.sines_run import Json
 from testbed.article.study import AtRest
 from testbed.figures.sweep import plot_curve
+from testbed.outputs import Json
 
 
 def frequencies_figure(rests: Sequence[AtRest]) -> Figure:

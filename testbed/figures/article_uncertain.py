@@ -1,12 +1,11 @@
 """Figures of the article's case study on what is uncertain, and on what a prediction is good for."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
-Json = dict[str, Any]
+from testbed.outputs import Json
 
 MILLI = 1e3
 

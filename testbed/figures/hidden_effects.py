@@ -1,7 +1,6 @@
 """Figures of the hidden-effect benchmark, from the content of its ``summary.json``."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,8 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
 from testbed.hidden_effects.bars import interval_of
-
-Json = Mapping[str, Any]
+from testbed.outputs import Json
 
 PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
 

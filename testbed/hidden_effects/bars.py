@@ -2,11 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
 
 from scipy.stats import binomtest
 
-Json = dict[str, Any]
+from testbed.outputs import Json
 
 
 @dataclass(frozen=True)

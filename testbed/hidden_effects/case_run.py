@@ -4,7 +4,6 @@ import traceback
 from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
-from typing import Any
 
 from threadpoolctl import threadpool_limits
 
@@ -17,8 +16,7 @@ from testbed.hidden_effects.judge import judged
 from testbed.hidden_effects.plan import Task
 from testbed.hidden_effects.trials import HELD, LEARNT
 from testbed.loop import diagnosis_json
-
-Json = dict[str, Any]
+from testbed.outputs import Json
 
 
 def run_case(task: Task, threads: int = 1, draw: Callable[[Task], Case] = draw_case) -> Json:

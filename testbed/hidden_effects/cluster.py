@@ -8,8 +8,9 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from models.errors import InputError
-from testbed.hidden_effects.crew import Json, RunCase, Workers, lost
+from testbed.hidden_effects.crew import RunCase, Workers, lost
 from testbed.hidden_effects.plan import Task
+from testbed.outputs import Json
 
 
 def on_cluster(address: str) -> Workers:

@@ -6,11 +6,10 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from multiprocessing import get_context, parent_process
 from multiprocessing.connection import Connection
 from threading import Thread
-from typing import Any
 
 from testbed.hidden_effects.plan import Task
+from testbed.outputs import Json
 
-Json = dict[str, Any]
 RunCase = Callable[[Task, int], Json]
 """A case and the threads of its diagnosis, to what its file holds."""
 

@@ -1,11 +1,9 @@
 """Whether a diagnosis is right, from its JSON and the truth's alone."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from testbed.hidden_effects.plan import NOTHING, OUTSIDE, TWO
-
-Json = dict[str, Any]
+from testbed.outputs import Json
 
 NEAR = 0.05
 """Positions closer than this share of the beam's length are the same."""

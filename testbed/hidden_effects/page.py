@@ -1,14 +1,12 @@
 """The page of the benchmark, in Markdown."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
 
 from testbed.hidden_effects.judge import LARGEST_GROUP, NEAR
 from testbed.hidden_effects.plan import NOTHING, OUTSIDE
 from testbed.hidden_effects.sets import FEW, MANY, MOST, SNR
 from testbed.hidden_effects.trials import MOST_AMPLIFICATION, MOST_GROWTH
-
-Json = dict[str, Any]
+from testbed.outputs import Json
 
 ABOUT = f"""\
 Each case is another rig, its toleranced numbers off by up to two tolerances, moved by finite elements, Exudyn or MuJoCo

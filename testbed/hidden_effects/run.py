@@ -11,11 +11,11 @@ from models.errors import InputError
 from testbed.figures.hidden_effects import figures_of
 from testbed.figures.save import save
 from testbed.hidden_effects.case_run import run_case
-from testbed.hidden_effects.crew import Json, RunCase, Workers
+from testbed.hidden_effects.crew import RunCase, Workers
 from testbed.hidden_effects.page import page_of
 from testbed.hidden_effects.plan import Task
 from testbed.hidden_effects.scores import in_a_line, summary_of
-from testbed.outputs import json_text, keep_json, staged
+from testbed.outputs import Json, json_text, keep_json, staged
 
 CASES, SUMMARY, PAGE, EXPLANATIONS = "cases", "summary.json", "README.md", "explanations.toml"
 

@@ -3,15 +3,13 @@
 from collections import Counter, defaultdict
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
 from testbed.hidden_effects.bars import bars_of
 from testbed.hidden_effects.plan import NOTHING, OUTSIDE, TWO
 from testbed.hidden_effects.sets import FEW, MANY
-
-Json = dict[str, Any]
+from testbed.outputs import Json
 
 CLASSES = {NOTHING: "nothing hidden", TWO: "two effects", OUTSIDE: "outside the library"}
 ONE = "one effect"

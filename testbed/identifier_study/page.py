@@ -2,14 +2,12 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import asdict
-from typing import Any
 
 from testbed.identifier_study.bound_table import ESTIMATORS, LONGEST, TIME_CONSTANTS, Cell
 from testbed.identifier_study.searches import ARTICLE_RUNS
 from testbed.identifier_study.study import QUIET, Study
 from testbed.identifier_study.verification import RIDGE_BARS
-
-Json = dict[str, Any]
+from testbed.outputs import Json
 
 TRACKED = {
     "multiscale": "plain ridge at 2^6.8",
@@ -17,7 +15,6 @@ TRACKED = {
     "past_jumps": "ridge past jumps",
     "smoother": "smoother",
 }
-
 
 VERIFICATION = """\
 An oscillator of 5 kg on 800 N/m decays for 100 s at 256 Hz; its damping steps from 0.06 to 0.01 N s/m at 50 s, or falls
@@ -41,6 +38,7 @@ ENDS = """\
 ends ruins a figure over the whole record; what is fitted inside, or predicted beyond, does not. The closed form for
 two Morlet waves of finite length (Slavic and Boltezar 2011) needs nothing beyond the ends either, but reads the damping
 from its square: at 0.05 % of damping it drowns.
+from testbed.outputs import Json
 """
 
 BOUND = f"""\

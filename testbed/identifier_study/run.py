@@ -9,9 +9,9 @@ from pathlib import Path
 from identification.progress import Progress
 from testbed.figures.identifier_study import bound_figure, objective_figure, verification_figure
 from testbed.figures.save import save
-from testbed.identifier_study.page import Json, page_of, study_json
+from testbed.identifier_study.page import page_of, study_json
 from testbed.identifier_study.study import identifier_study
-from testbed.outputs import json_text, staged
+from testbed.outputs import Json, json_text, staged
 
 
 def run_identifier_study(out: Path, *, seeds: int, jobs: int, command: Sequence[str], progress: Progress) -> Json:

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -22,10 +21,8 @@ from testbed.history import UPDATED
 from testbed.identify.record import Decays, decays_of
 from testbed.identify.sleeve import SleeveDamping, sleeve_damping, sleeve_findings, write_updated
 from testbed.identify.words import findings_of
-from testbed.outputs import json_text, staged
+from testbed.outputs import Json, json_text, staged
 from testbed.quantities import unit_of
-
-Json = dict[str, Any]
 
 SHOWN_FREQUENCIES, SHOWN_TIMES = 96, 600
 """Lines and columns of a scalogram that is drawn."""

@@ -4,12 +4,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from testbed.loop import diagnosis_json
+from testbed.outputs import Json
 from testbed.real_data.bars import Bar, bars_table
 from testbed.real_data.bolted_beam import HELD_OUT, BoltedBeam
 from testbed.real_data.friction_frame import FrictionFrame, sigmas_of
 from testbed.real_data.silverbox import Silverbox
-
-Json = dict[str, Any]
 
 
 def verdict_of(bars: Sequence[Bar]) -> Json:

@@ -9,11 +9,10 @@ from matplotlib.figure import Figure
 from identification.progress import Progress
 from testbed.figures.real_data import beam_figure, frame_figure, silverbox_figure
 from testbed.figures.save import save
-from testbed.outputs import json_text, staged
+from testbed.outputs import Json, json_text, staged
 from testbed.real_data.bolted_beam import study_bolted_beam
 from testbed.real_data.friction_frame import study_friction_frame
 from testbed.real_data.page import (
-    Json,
     beam_json,
     beam_page,
     frame_json,
