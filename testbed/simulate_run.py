@@ -2,11 +2,10 @@
 
 import hashlib
 import json
-from collections.abc import Iterator, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
-from contextlib import nullcontext
+from collections.abc import Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
-from multiprocessing import get_context
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +25,7 @@ from testbed.figures.contact import contact_figure, orbit_figure
 from testbed.figures.save import save
 from testbed.inputs import sha256
 from testbed.outputs import Json, json_text, staged
+from testbed.processes import as_done
 from testbed.records.write import node_at, write_record
 from testbed.virtual.campaign import Run, runs_of
 from testbed.virtual.experiment import Experiment, read_experiment
@@ -85,7 +85,7 @@ def run_experiment(order: Order, out: Path, *, jobs: int, progress: Progress, po
     todo = [number for number, run in enumerate(runs) if run.name not in known]
     if len(todo) < len(runs):
         progress(f"{len(runs) - len(todo)} of {len(runs)} records were there already; kept")
-    for done, (number, row) in enumerate(_carried_out(order, todo, out, jobs, pool), start=1):
+    for done, (number, row) in enumerate(as_done(partial(one_run, order, out), todo, jobs, pool), start=1):
         known[runs[number].name] = row
         with staged(out) as stage:
             content = _content(order, [known[run.name] for run in runs if run.name in known])
@@ -148,31 +148,13 @@ def _content(order: Order, rows: Sequence[Json]) -> Json:
     }
 
 
-def processes(jobs: int) -> ProcessPoolExecutor:
-    """A pool of processes that begin afresh, for simulators that do not like to be forked."""
-    return ProcessPoolExecutor(jobs, mp_context=get_context("spawn"))
-
-
-def _carried_out(
-    order: Order, todo: Sequence[int], out: Path, jobs: int, shared: Executor | None
-) -> Iterator[tuple[int, Json]]:
-    """Number and row of each run as it is done, in this process where there is one only and no pool."""
-    if shared is None and (jobs == 1 or len(todo) < 2):
-        yield from ((number, one_run(order, number, out)) for number in todo)
-        return
-    with nullcontext(shared) if shared else processes(min(jobs, len(todo))) as pool:
-        running = {pool.submit(one_run, order, number, out): number for number in todo}
-        for future in as_completed(running):
-            yield running[future], future.result()
-
-
-def one_run(order: Order, number: int, out: Path) -> Json:
+def one_run(order: Order, out: Path, number: int) -> Json:
     """Carry out one run and write its record and picture.
 
     Args:
         order: what was asked for.
-        number: of the run.
         out: folder of the results.
+        number: of the run.
     """
     rig, experiment = read_rig(order.rig_path), read_experiment(order.experiment_path)
     run, laboratory = runs_of(experiment, rig)[number], laboratory_of(experiment, rig)

@@ -1,9 +1,9 @@
 """All tests of the bench, each kept when it is done: a run that was stopped goes on where it was."""
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import as_completed
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from identification.progress import Progress
@@ -13,9 +13,9 @@ from testbed.article.bench import FS, STRUCK, TAPPED, TAPS, BenchTest, bench_tes
 from testbed.article.rig import Drive, Geometry
 from testbed.article.truth import truth_of
 from testbed.outputs import Json, digest_of, keep_json
+from testbed.processes import as_done
 from testbed.records.read import read_record
 from testbed.records.write import write_record
-from testbed.simulate_run import processes
 
 KEPT = "records"
 """Folder of the records; they are made again where they are missing, and are no part of the results."""
@@ -59,7 +59,7 @@ def campaign(
     """
     there = {order: _kept(geometry, order, out) for order in orders}
     todo = [order for order, kept in there.items() if kept is None]
-    for number, order in enumerate(_done(geometry, todo, out, jobs), start=1):
+    for number, (order, _) in enumerate(as_done(partial(carry_out, geometry, out), todo, jobs), start=1):
         progress(f"{order.drive} test at {1e3 * order.clearance:g} mm by {order.engine}: {number} of {len(todo)}")
         there[order] = _kept(geometry, order, out)
     lost = [order.name for order, test in there.items() if test is None]
@@ -72,27 +72,13 @@ def campaign(
     return {order: test for order, test in there.items() if test is not None}
 
 
-def _done(geometry: Geometry, todo: Sequence[Order], out: Path, jobs: int) -> Iterator[Order]:
-    """Each order when its test is done; in this process where there is one alone."""
-    if jobs == 1 or len(todo) < 2:
-        for order in todo:
-            carry_out(geometry, order, out)
-            yield order
-        return
-    with processes(min(jobs, len(todo))) as pool:
-        running = {pool.submit(carry_out, geometry, order, out): order for order in todo}
-        for future in as_completed(running):
-            future.result()
-            yield running[future]
-
-
-def carry_out(geometry: Geometry, order: Order, out: Path) -> None:
+def carry_out(geometry: Geometry, out: Path, order: Order) -> None:
     """Carry out one test and keep it.
 
     Args:
         geometry: of the rig.
-        order: the test.
         out: folder of the results.
+        order: the test.
 
     Raises:
         DivergenceError: the engine lost the motion.

@@ -25,7 +25,7 @@ from testbed.article.slew import (
 from testbed.article.three_models import ThreeModels
 from testbed.article.truth import truth_of
 from testbed.outputs import Json, digest_of, kept
-from testbed.simulate_run import processes
+from testbed.processes import as_done
 
 KEPT = "slews"
 
@@ -77,9 +77,7 @@ def _slews(
     bases = courses({**plants, PERFECT: real})
     every = round(FS / DRAWN_AT)
     pairs = [(name, engine) for name in bases for engine in engines]
-    with processes(min(jobs, len(pairs))) as pool:
-        done = [pool.submit(_one, real, bases[name], engine) for name, engine in pairs]
-        slews = dict(zip(pairs, (future.result() for future in done), strict=True))
+    slews = dict(as_done(partial(_one, real, bases), pairs, jobs))
     return {
         "clearance": clearance,
         "rate": FS / every,
@@ -102,5 +100,6 @@ def _slews(
     }
 
 
-def _one(real: Plant, base: FloatArray, engine: str) -> Slew:
-    return carried_out(base, by_engine(real, engine))
+def _one(real: Plant, bases: Mapping[str, FloatArray], pair: tuple[str, str]) -> Slew:
+    name, engine = pair
+    return carried_out(bases[name], by_engine(real, engine))

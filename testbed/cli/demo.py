@@ -58,7 +58,8 @@ def _shipped() -> list[Path]:
 def _simulated(using: str, folder: Path, jobs: int) -> list[Path]:
     """Records of the demonstration's experiments by a simulator, made anew unless they are there."""
     from models.simulators.protocol import Resolution
-    from testbed.simulate_run import Order, processes, run_experiment
+    from testbed.processes import processes
+    from testbed.simulate_run import Order, run_experiment
 
     with progress() as tell:
 

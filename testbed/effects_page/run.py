@@ -1,8 +1,7 @@
 """The page of the library with a picture for each kind, in a folder."""
 
 from collections.abc import Sequence
-from concurrent.futures import as_completed
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 from identification.progress import Progress
@@ -13,7 +12,7 @@ from testbed.effects_page.page import FIGURES, page_of
 from testbed.effects_page.showing import showing_of
 from testbed.figures.effects_page import effect_figure, save_small
 from testbed.outputs import staged
-from testbed.simulate_run import processes
+from testbed.processes import as_done
 
 PAGE = "effects.md"
 
@@ -33,17 +32,11 @@ def run_effects(kinds: Sequence[str], out: Path, *, jobs: int, progress: Progres
     """
     with staged(out) as stage:
         (stage / PAGE).write_text(page_of(), encoding="utf-8")
-        if jobs == 1 or len(kinds) == 1:
-            for number, kind in enumerate(kinds, start=1):
-                progress(f"{number} of {len(kinds)}: {_draw(kind, stage)}")
-            return
-        with processes(jobs) as pool:
-            drawn = [pool.submit(_draw, kind, stage) for kind in kinds]
-            for number, done in enumerate(as_completed(drawn), start=1):
-                progress(f"{number} of {len(kinds)}: {done.result()}")
+        for number, (_, label) in enumerate(as_done(partial(_draw, stage), kinds, jobs), start=1):
+            progress(f"{number} of {len(kinds)}: {label}")
 
 
-def _draw(kind: str, stage: Path) -> str:
+def _draw(stage: Path, kind: str) -> str:
     cls = EFFECTS[kind]
     shown = showing_of(cls, _bench(cls.structures[0]))
     save_small(effect_figure(shown), stage / FIGURES / f"{kind}.png")

@@ -2,8 +2,6 @@
 
 import shlex
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 
 from identification.progress import Progress
@@ -12,6 +10,7 @@ from testbed.figures.save import save
 from testbed.identifier_study.page import page_of, study_json
 from testbed.identifier_study.study import identifier_study
 from testbed.outputs import Json, json_text, staged
+from testbed.processes import processes
 
 
 def run_identifier_study(out: Path, *, seeds: int, jobs: int, command: Sequence[str], progress: Progress) -> Json:
@@ -30,7 +29,7 @@ def run_identifier_study(out: Path, *, seeds: int, jobs: int, command: Sequence[
     Raises:
         InputError: a folder that cannot be written.
     """
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+    with processes(jobs) as pool:
         study = identifier_study(seeds, pool, progress)
     content = study_json(study)
     with staged(out) as stage:

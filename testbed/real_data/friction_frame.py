@@ -4,7 +4,6 @@ Source: L. Marino, A. Cicirello, A switching Gaussian process latent force model
 """
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from math import log
 from pathlib import Path
@@ -21,6 +20,7 @@ from identification.result import Diagnosis
 from models.arrays import FloatArray
 from models.record import Record
 from models.rig import Excitation, Oscillator, Rig, Sensor
+from testbed.processes import processes
 from testbed.real_data.bars import Bar
 from testbed.real_data.files import read_variables, set_folder
 
@@ -140,7 +140,7 @@ def study_friction_frame(folder: Path, seed: int, jobs: int, progress: Progress)
     """
     tests = [read_halves(folder, weight) for weight in WEIGHTS]
     progress(f"diagnosing {', '.join(f'{test.weight} g' for test in tests)}")
-    with ProcessPoolExecutor(min(jobs, len(tests))) as pool:
+    with processes(min(jobs, len(tests))) as pool:
         waiting = {test.weight: pool.submit(_result_of, test, seed) for test in reversed(tests)}
         rows = []
         for weight, future in sorted(waiting.items()):
