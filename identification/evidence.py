@@ -110,7 +110,18 @@ def misfit_of(best: Fit) -> float:
     Args:
         best: with all unknowns refitted.
     """
-    return best.repeats * max(1.0, best.ratio**2) + MODEL_ERROR * best.n_data
+    return unit_of(best.repeats, best.ratio, best.n_data)
+
+
+def unit_of(repeats: float, ratio: float, n_data: float) -> float:
+    """The square of the unit in which residuals speak for or against a suspect.
+
+    Args:
+        repeats: how many times chi-square counts noise that all channels share.
+        ratio: residual over noise that the best model leaves.
+        n_data: real numbers in the residual.
+    """
+    return repeats * max(1.0, ratio**2) + MODEL_ERROR * n_data
 
 
 MODEL_ERROR = 1e-3

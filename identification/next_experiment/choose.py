@@ -77,8 +77,8 @@ class Question:
 def options_of(question: Question) -> tuple[Option, ...]:
     """The tests that promise most, the best first.
 
-    What the numbers of the rivals explain away only takes from a separation, so a test is looked at closely only if it
-    is good before that.
+    What the numbers of the rivals explain away only takes from a separation, and so does a fit: a test is looked at
+    closely only if it is good before that, and none is proposed whose separation was not confirmed.
 
     Args:
         question: what is to be decided, and with what.
@@ -86,18 +86,15 @@ def options_of(question: Question) -> tuple[Option, ...]:
     seen = list(question.seen(_tests(question)))
     rough = [(each, _option(question, each, each.scatter())) for each in seen]
     rough.sort(key=lambda pair: _merit(question, pair[1]), reverse=True)
-    found = [_projected(question, each) for each, _ in _varied(rough)]
-    found.sort(key=lambda row: _merit(question, row.option), reverse=True)
-    options = [row.option for row in found]
-    for number, row in enumerate(found[:MOST_CONFIRMED]):
-        options[number] = _confirmed(question, row)
-        if options[number].expected_probability >= DECISIVE:
+    rows = [_projected(question, each) for each, _ in _varied(rough)]
+    sure: list[_Row] = []
+    while rows:
+        rows.sort(key=lambda row: _merit(question, row.option), reverse=True)
+        if rows[0] in sure:
             break
-    return tuple(sorted(options, key=lambda option: _merit(question, option), reverse=True)[:SHOWN])
-
-
-MOST_CONFIRMED = 3
-"""Of the best tests whose separations are confirmed by fits, until one stays decisive."""
+        rows[0] = _confirmed(question, rows[0])
+        sure.append(rows[0])
+    return tuple(row.option for row in rows[:SHOWN])
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,10 +111,11 @@ def _projected(question: Question, seen: Forecast) -> _Row:
     return _Row(_option(question, part, scatter), part, scatter)
 
 
-def _confirmed(question: Question, row: _Row) -> Option:
+def _confirmed(question: Question, row: _Row) -> _Row:
     if question.old is None:
-        return row.option
-    return _option(question, row.seen, confirmed(row.seen, question.rivals, question.old, row.scatter))
+        return row
+    scatter = confirmed(row.seen, question.rivals, question.old, row.scatter)
+    return replace(row, option=_option(question, row.seen, scatter), scatter=scatter)
 
 
 def _varied(rough: Sequence[tuple[Forecast, Option]]) -> list[tuple[Forecast, Option]]:

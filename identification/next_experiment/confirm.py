@@ -75,7 +75,7 @@ def confirmed(seen: Forecast, rivals: Sequence[Rival], old: Evaluator, scatter: 
 
 
 def _refitted(seen: Forecast, rivals: Sequence[Rival], old: Evaluator, a: int, b: int) -> float:
-    """Increase of the least misfit of b that the new record brings if a is right, in independent data."""
+    """What the new record takes from b if a is right: twice the loss of ``evidence.log_fit`` at b's new fit."""
     (target,) = seen.evaluator.timed
     seconds = target.record.duration
     # Two seconds stand for the whole of a steady test: their noise is that of its mean.
@@ -96,7 +96,8 @@ def _refitted(seen: Forecast, rivals: Sequence[Rival], old: Evaluator, a: int, b
     if before is None:
         return float("inf")
     independent = seen.weight / (max(seen.useful, seconds) / seconds)
-    return max(0.0, after.cost - float(before @ before) - rivals[b].fit.penalty) * independent
+    lost = independent * (after.chi2 - float(before @ before)) + after.penalty - rivals[b].fit.penalty
+    return max(0.0, lost)
 
 
 def _with_starts(fitted: Hypothesis, new: Hypothesis) -> Hypothesis:

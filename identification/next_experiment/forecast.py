@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from identification.evaluate import Evaluator, TimeTarget, carry_noise
+from identification.evidence import unit_of
 from identification.hypothesis import Hypothesis, coordinates
 from identification.next_experiment.bench import Bench
 from identification.next_experiment.planned import PlannedTest
@@ -43,8 +44,8 @@ class Forecast:
         evaluator: with the test's record, in which the first rival's prediction stands for what was measured.
         models: the rivals on this test, with their starts.
         residuals: (K, n_data) predictions less the first rival's, in units of the noise.
-        weight: independent data that a unit of squared difference counts as: for the length of the test, and for noise
-            that all channels share.
+        weight: what a unit of squared difference says afterwards, when all is weighed together: for the length of the
+            test, for noise that all channels share, and for what the best model itself misses (``unit_of``).
         useful: seconds of the test for which neighbouring motions stay together.
         reach: largest reading that a rival predicts, times the largest so far.
     """
@@ -116,7 +117,8 @@ def forecast(
     rows = evaluator.residuals([(model, None) for model in models])
     if any(row is None for row in rows):
         raise ArithmeticError("a rival diverges in this test")
-    weight = (test.seconds / seconds) / (evaluator.repeats * misfit**2)
+    longer = test.seconds / seconds
+    weight = longer / unit_of(evaluator.repeats, misfit, rivals[0].fit.n_data + longer * evaluator.n_data)
     residuals = np.stack([row for row in rows if row is not None])
     return Forecast(test, evaluator, models, residuals, weight, test.seconds, bench.reach(clean))
 

@@ -15,7 +15,8 @@ class Option:
     Attributes:
         test: what is done.
         expected_probability: of the right rival afterwards.
-        separation: of the two rivals that it parts least, in standard deviations of the noise.
+        separation: of the two rivals that it parts least, in standard deviations of the noise and of the model's own
+            error (``evidence.unit_of``); confirmed by a fit for the first option, an upper bound for the others.
         reach: largest reading that is expected, times the largest so far.
         followed: seconds of the record that neighbouring motions stay together.
     """

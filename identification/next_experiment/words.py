@@ -18,10 +18,15 @@ def why(rivals: Sequence[str], best: Option, present: float, limits: Limits) -> 
         present: probability that the right one has on average now.
         limits: how far a test may go.
     """
+    parted = (
+        f"their predictions part by {sigmas(best.separation)} standard deviations of the noise and of the model's own "
+        "error, whatever numbers they take"
+        if best.separation >= PARTED
+        else "one of them may still do what another does"
+    )
     promise = (
-        f"the records so far do not tell {' from '.join(rivals)}; in this test their predictions part by "
-        f"{sigmas(best.separation)} standard deviations of the noise, whatever numbers they take, and the right one is "
-        f"expected to have a probability of {_sure(best.expected_probability)} afterwards, {present:.2g} now"
+        f"the records so far do not tell {' from '.join(rivals)}; in this test {parted}, and the right one is expected "
+        f"to have a probability of {_sure(best.expected_probability)} afterwards, {present:.2g} now"
     )
     rows = [promise]
     if best.reach > limits.warned:
@@ -31,11 +36,15 @@ def why(rivals: Sequence[str], best: Option, present: float, limits: Limits) -> 
     return "; ".join(rows)
 
 
+PARTED = 1.0
+"""Separation below which two predictions are one: a law that holds another within it follows wherever that goes."""
+
+
 def sigmas(separation: float) -> str:
     """A separation, as far as it means anything.
 
     Args:
-        separation: in standard deviations of the noise.
+        separation: in standard deviations.
     """
     return f"more than {MOST_SIGMAS:g}" if separation > MOST_SIGMAS else f"{separation:.2g}"
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from rival_scenes import SIGMA, bench_of, certain, free, gains
 
+from identification.evidence import MODEL_ERROR, unit_of
 from identification.hypothesis import Hypothesis
 from identification.next_experiment.candidates import released, steady
 from identification.next_experiment.costs import COSTS
@@ -27,16 +28,21 @@ def test_the_separation_of_two_gains_is_the_signal_times_their_difference_over_t
     silent = seen.test.record("next", ("top",), 2.0)
     truth = Hypothesis(rig).simulated(silent, Settings()).channels
     below = np.fft.rfft(truth[0])[: int(0.35 * len(truth[0])) + 1]
-    expected = 0.01**2 * 2.0 * np.sum(np.abs(below) ** 2) / len(truth[0]) / SIGMA**2
+    apart = 0.01**2 * 2.0 * np.sum(np.abs(below) ** 2) / len(truth[0]) / SIGMA**2
+    expected = apart / unit_of(1.0, 1.0, 1 + 2 * len(below))
     assert seen.scatter()[0, 1, 1] == pytest.approx(expected, rel=1e-6)
     assert seen.scatter()[1, 0, 0] == pytest.approx(expected, rel=1e-6)
     assert seen.scatter()[0, 0, 0] == 0.0
 
 
-def test_a_steady_test_tells_in_proportion_to_its_length():
+def test_a_longer_test_tells_more_until_the_models_own_error_is_what_is_left():
     rig, rivals = gains(1.0, 1.001)
-    short, long = forecast_of(rig, rivals), forecast_of(rig, rivals, seconds=6.0)
-    assert long.scatter()[0, 1, 1] == pytest.approx(3.0 * short.scatter()[0, 1, 1], rel=1e-9)
+    d2 = {seconds: forecast_of(rig, rivals, seconds=seconds).scatter()[0, 1, 1] for seconds in (2.0, 4.0, 2000.0)}
+    n_data = 2 * (int(0.35 * 2.0 * FS) + 1)
+    apart = np.sum(forecast_of(rig, rivals).residuals[1] ** 2)
+
+    assert d2[2.0] < d2[4.0] < 2.0 * d2[2.0]
+    assert d2[2000.0] == pytest.approx(apart / n_data / MODEL_ERROR, rel=0.01)
 
 
 def test_half_the_noise_parts_twice_as_far():

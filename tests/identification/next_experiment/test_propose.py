@@ -4,12 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rival_scenes import built, ranked_on
+from rival_scenes import SIGMA, bench_of, built, ranked_on
 
 from identification.evaluate import Evaluator
 from identification.hypothesis import Hypothesis
 from identification.next_experiment.advice import CHAOTIC, LOWER
+from identification.next_experiment.candidates import steady
+from identification.next_experiment.costs import COSTS, LIMITS
+from identification.next_experiment.proposal import Option
 from identification.next_experiment.propose import next_experiment, shortened
+from identification.next_experiment.words import why
 from identification.outcome import AT_REST_ONLY
 from identification.prepare import Horizon, horizons
 from identification.result import ErrorMap, MissingForce
@@ -104,7 +108,7 @@ def test_a_group_is_told_apart_by_a_weighed_test():
     rig = oscillator("displacement")
     cubic = CubicStiffness(Place(), stiffness=3.0 * rig.structure.stiffness / 1e-3**2)
     gain = SensorGain(Place(sensor="top"), gain=1.0)
-    _, evaluator = oscillators_record(Hypothesis(rig, effects=(cubic,)), rms=2.0)
+    _, evaluator = oscillators_record(Hypothesis(rig, effects=(replace(gain, gain=1.1),)), rms=2.0)
     ranked = ranked_on(evaluator, [Hypothesis(rig, effects=(effect,)) for effect in (cubic, gain)])
     chances = [0.6, 0.4]
 
@@ -115,6 +119,13 @@ def test_a_group_is_told_apart_by_a_weighed_test():
     assert {effect.kind for effect in told.rivals} == {"cubic_stiffness", "sensor_gain"}
     assert "do not tell" in told.why
     assert told.present_probability < told.best.expected_probability
+
+
+def test_what_one_rival_can_do_as_well_is_said():
+    test = steady(bench_of(oscillator(), SIGMA), COSTS, 1.0, (10.0, 200.0), "level")
+    told = [why(["a", "b"], Option(test, 0.97, apart, 1.0, test.seconds), 0.9, LIMITS) for apart in (0.2, 4.0)]
+    assert "one of them may still do what another does" in told[0]
+    assert "part by 4 standard deviations" in told[1]
 
 
 def test_a_part_of_old_records_stands_for_all_of_them():
