@@ -7,6 +7,7 @@ from time import perf_counter
 import numpy as np
 
 from identification.acceptance import accepted, fit_without, is_enough, pruned, verdict_of
+from identification.alone import one_alone
 from identification.assess import with_starts
 from identification.calibrate import calibrate, strained, unknowns_of
 from identification.conclude import concluded, one_set_of_numbers, settled
@@ -123,11 +124,12 @@ def _revised(
     """The models and rounds after the effects were held against each other: needless, others in their places, fewer."""
     chain, rounds = _pruned(session, chain, rounds, stages, newest=len(rounds) - 1)
     chain, rounds = _exchanged(session, chain, rounds, stages, range(len(rounds) - 1))
-    fewer = with_fewer(session, chain[0], chain[-1], rounds)
+    fewer = one_alone(session, chain[0], chain[-1]) or with_fewer(session, chain[0], chain[-1], rounds)
     if fewer is None:
         return chain, rounds
     stages.append(session.stage(fewer.label, fewer.fit.hypothesis))
-    return _exchanged(session, [*chain, fewer.fit], fewer.rounds, stages, range(len(fewer.rounds)))
+    waiting = range(len(fewer.rounds)) if len(fewer.rounds) > 1 else ()
+    return _exchanged(session, [*chain, fewer.fit], fewer.rounds, stages, waiting)
 
 
 def _exchanged(

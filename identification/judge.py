@@ -63,10 +63,8 @@ def judge(
         if lasting and (number > 0 or not any(sketch.fit.ratio < REACHED < base.ratio for sketch in sketches)):
             sketches += [sketch for view in lasting for sketch in beside(view, base, progress)]
             lasting = []
-        found = _best(sketches, FINALISTS, REFITS_PER_KIND)
-        new = [sketch for sketch in found if not any(is_alike(sketch.fit, row.fit) for row in ranked)]
         kinds = {} if instant is None else instant.registry
-        more = _finals(new, by_share(sketches), fitting, base, kinds, progress)
+        more = finals(sketches, fitting, base, kinds, progress, known=ranked)
         rows = [row for row in (*ranked, *more) if row.refitted]
         ranked = settled_apart(fitting, reweighed(ranked, rows), progress) if ranked else more
         if ranked and ranked[0].fit.ratio < EXPLAINED:
@@ -79,24 +77,26 @@ SMALL, LARGE = 3.0, 8.0
 second the beginning of the records is seen first, since nothing is linear."""
 
 
-def _finals(
-    finalists: Sequence[Sketch],
+def finals(
     sketches: Sequence[Sketch],
     fitting: Evaluator,
     base: Fit,
     registry: Registry,
     progress: Progress,
+    known: Sequence[Ranked] = (),
 ) -> list[Ranked]:
-    """The finalists refitted, but for those that plainly stay above the noise that another has reached.
+    """The best sketches refitted, but for those that plainly stay above the noise that another has reached.
 
     Args:
-        finalists: the best sketches.
-        sketches: all of them, the best first.
+        sketches: of suspects.
         fitting: records to refit on.
         base: the model without an effect more.
         registry: kinds to try in a sleeve that the first of them has come to.
         progress: told what is being done.
+        known: refitted before; what is like one of them is not refitted again.
     """
+    best = _best(sketches, FINALISTS, REFITS_PER_KIND)
+    finalists = [sketch for sketch in best if not any(is_alike(sketch.fit, row.fit) for row in known)]
     ranked: list[Ranked] = []
     beaten: list[tuple[Fit, float]] = []
     leader: tuple[Sketch, Fit] | None = None
@@ -119,7 +119,7 @@ def _finals(
             if result.ratio < min(CLOSE_ENOUGH, leader[1].ratio if leader else CLOSE_ENOUGH):
                 leader = (sketch, result)
     ordered = with_evidence(ranked)
-    ordered = with_evidence([*ordered, *simpler_rows(fitting, base, ordered, sketches)])
+    ordered = with_evidence([*ordered, *simpler_rows(fitting, base, ordered, by_share(sketches))])
     ordered = with_evidence([*ordered, *of_the_sleeve(fitting, base, ordered, registry)])
     ordered = settled_apart(fitting, with_evidence([*ordered, *at_sleeves(fitting, base, ordered)]), progress)
     for fit_there, farther in beaten:
