@@ -154,7 +154,7 @@ def _refined(session: Session, result: Fit) -> Fit:
     """
     while result.ratio > NOISE_REACHED:
         finer = [row for index in range(len(result.hypothesis.effects)) for row in _finer(session, result, index)]
-        now = Ranked(result.hypothesis.effects[-1], result, refitted=True, log_evidence=0.0)
+        now = Ranked.of(result)
         best = with_evidence([now, *finer])[0]
         enough = best.fit.ratio <= NOISE_REACHED or takes_away(result, best.fit) >= LEAST_SHARE
         if best.fit is result or not enough:
@@ -174,7 +174,7 @@ def _finer(session: Session, result: Fit, index: int) -> Iterator[Ranked]:
             found = fit(session.fitting, hypothesis, (*shared, *effect_unknowns(hypothesis)), precise=True)
         except ArithmeticError:
             continue
-        yield Ranked(found.hypothesis.effects[index], found, refitted=True, log_evidence=0.0)
+        yield Ranked.of(found, index)
 
 
 def verdict_of(session: Session, calibrated: Fit, final: Fit, *, searched: bool) -> Verdict:

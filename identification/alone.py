@@ -44,7 +44,7 @@ def one_alone(session: Session, calibrated: Fit, found: Fit) -> Fewer | None:
         rows = []
     if alone is not None:
         others = [row for row in rows if row.refitted and not is_alike(row.fit, alone)]
-        rows = reweighed(rows or [_row(alone)], [_row(alone), *others])
+        rows = reweighed(rows or [Ranked.of(alone)], [Ranked.of(alone), *others])
     if not rows or not explains_as_much(session, rows[0].fit, found):
         return None
     effect, best = rows[0].effect, rows[0].fit
@@ -83,7 +83,3 @@ def _from_there(session: Session, calibrated: Fit, found: Fit) -> list[Ranked]:
     kinds = {name: k for name, k in session.registry.items() if structure in k.structures and k.family != "time"}
     sketches = beside(View(evaluator, there, kinds), bare, session.progress)
     return finals(sketches, session.fitting, bare, kinds, session.progress)
-
-
-def _row(found: Fit) -> Ranked:
-    return Ranked(found.hypothesis.effects[-1], found, refitted=True, log_evidence=0.0)

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import log, pi
+from typing import Self
 
 import numpy as np
 
@@ -29,6 +30,16 @@ class Ranked:
     fit: Fit
     refitted: bool
     log_evidence: float
+
+    @classmethod
+    def of(cls, found: Fit, index: int = -1) -> Self:
+        """A suspect refitted and not yet weighed.
+
+        Args:
+            found: its fit.
+            index: of its effect.
+        """
+        return cls(found.hypothesis.effects[index], found, refitted=True, log_evidence=0.0)
 
 
 def with_evidence(ranked: Sequence[Ranked]) -> list[Ranked]:

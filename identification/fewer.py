@@ -66,8 +66,7 @@ def with_fewer(session: Session, calibrated: Fit, found: Fit, rounds: Sequence[l
             f"{label}: beside {effects[kept].label()} that explains the records as well; residual from "
             f"{found.ratio:.2f} to {best.ratio:.2f} times the noise; {effect.in_words()}"
         )
-        row = Ranked(effect, best, refitted=True, log_evidence=0.0)
-        return Fewer(best, [rounds[kept], beside_rows([row], rounds[moved])], label)
+        return Fewer(best, [rounds[kept], beside_rows([Ranked.of(best)], rounds[moved])], label)
     return None
 
 

@@ -44,7 +44,7 @@ def judged_beside(
         registry: kinds that are tried where the effect sits, too.
         progress: told what is being done.
     """
-    row = Ranked(leader.hypothesis.effects[-1], leader, refitted=True, log_evidence=0.0)
+    row = Ranked.of(leader)
     rivals = {effect.kind: effect for effect in (*_seen_there(leader, fitting, base, registry), *known)}
     return settled_apart(
         fitting, with_evidence([row, *begun_at_leader(fitting, base, [row], rivals.values())]), progress
@@ -152,7 +152,7 @@ def begun_at_leader(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], eff
             continue
         result = refit(fitting, base, first.hypothesis.effects[-1], first.hypothesis.values)
         if result is not None:
-            rows.append(Ranked(result.hypothesis.effects[-1], result, refitted=True, log_evidence=0.0))
+            rows.append(Ranked.of(result))
     return rows
 
 
@@ -167,7 +167,7 @@ def at_sleeves(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked]) -> list[
             if is_same_place(place, row.effect.place, rig):
                 result = refit(fitting, base, replace(row.effect, place=place), row.fit.hypothesis.values)
                 if result is not None:
-                    rows.append(Ranked(result.hypothesis.effects[-1], result, refitted=True, log_evidence=0.0))
+                    rows.append(Ranked.of(result))
     return rows
 
 

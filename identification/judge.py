@@ -115,7 +115,7 @@ def finals(
             found = first.hypothesis
         result = refit(fitting, base, found.effects[-1], found.values)
         if result is not None:
-            ranked.append(Ranked(result.hypothesis.effects[-1], result, refitted=True, log_evidence=0.0))
+            ranked.append(Ranked.of(result))
             if result.ratio < min(CLOSE_ENOUGH, leader[1].ratio if leader else CLOSE_ENOUGH):
                 leader = (sketch, result)
     ordered = with_evidence(ranked)

@@ -122,19 +122,15 @@ def addition(evaluator: Evaluator, base: Fit, registry: Registry, progress: Prog
         return _tried(soft.with_jobs(1), start, (*base.unknowns, *own_unknowns(start)), SKETCH_TOLERANCE)
 
     sketches = [row for row in in_parallel(evaluator.jobs, sketch, starts) if row is not None]
-    best_first = _best_of_each(with_evidence([_row(sketch) for sketch in sketches]))
+    best_first = _best_of_each(with_evidence([Ranked.of(sketch) for sketch in sketches]))
     progress(f"refitting the best of {len(best_first)} kinds and variants to the steady state")
     finals = in_parallel(evaluator.jobs, lambda row: _to_the_end(soft, evaluator, row.fit), best_first)
-    ranked = with_evidence([_row(found) for found in finals if found is not None])
+    ranked = with_evidence([Ranked.of(found) for found in finals if found is not None])
     if not ranked:
         raise ArithmeticError("no effect of the library leaves a steady state")
     best = ranked[0]
     odds = best.log_evidence - log_without(base, misfit_in_common(ranked))
     return Addition(tuple(ranked), best.fit, odds, takes_away(base, best.fit))
-
-
-def _row(found: Fit) -> Ranked:
-    return Ranked(found.hypothesis.effects[-1], found, refitted=True, log_evidence=0.0)
 
 
 def on_trial(evaluator: Evaluator, final: Fit, index: int, registry: Registry, progress: Progress) -> Addition:

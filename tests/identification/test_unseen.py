@@ -38,7 +38,7 @@ def fits_on(session):
     """The rig without the effect and with it."""
     base = fit(session.fitting, Hypothesis(RIG), rig_unknowns(RIG), precise=True)
     found = fit(session.fitting, BENT, (*rig_unknowns(RIG), *effect_unknowns(BENT)), precise=True)
-    rows = with_evidence([Ranked(found.hypothesis.effects[-1], found, refitted=True, log_evidence=0.0)])
+    rows = with_evidence([Ranked.of(found)])
     return base, found, rows
 
 

@@ -83,7 +83,7 @@ def ranked_on(evaluator, models, *, places=True):
     for model in models:
         unknowns = (*rig_unknowns(model.rig), *effect_unknowns(model, places=places))
         found = fit(evaluator, model, unknowns, precise=True, tolerance=1e-6, max_iterations=25)
-        rows.append(Ranked(found.hypothesis.effects[-1], found, refitted=True, log_evidence=0.0))
+        rows.append(Ranked.of(found))
     return with_evidence(rows)
 
 
