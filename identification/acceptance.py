@@ -70,9 +70,19 @@ def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
         f"{name} added: residual from {base.ratio:.2f} to {best.fit.ratio:.2f} times the noise, "
         f"{min(share, 1.0):.0%} of the misfit beyond the noise; {best.effect.in_words()}"
     )
-    if not session.everything.timed and not is_linear(best.fit.hypothesis):
-        session.decide(f"{name} is seen by its tangent at rest alone: {AT_REST_ONLY}")
+    tell_tangent(session, best)
     return _refined(session, best.fit)
+
+
+def tell_tangent(session: Session, added: Ranked) -> None:
+    """Say that a law was seen by its tangent alone, where that is so.
+
+    Args:
+        session: told.
+        added: the effect.
+    """
+    if not session.everything.timed and not is_linear(added.fit.hypothesis):
+        session.decide(f"{added.effect.label()} is seen by its tangent at rest alone: {AT_REST_ONLY}")
 
 
 def _is_passing(session: Session, base: Fit, best: Ranked) -> bool:
@@ -120,15 +130,25 @@ def pruned(session: Session, calibrated: Fit, found: Fit, *, newest: int) -> lis
 
 
 def explains_as_much(session: Session, less: Fit, found: Fit) -> bool:
-    """Whether a model reaches the noise, or what another with an effect more does beyond it hardly speaks for that one.
+    """Whether a model reaches the noise, or comes as near to it as another with an effect more.
 
     Args:
         session: with the records.
         less: the fit of the model with fewer effects.
         found: of the one with more.
     """
+    return is_enough(session, less) or comes_as_near(less, found)
+
+
+def comes_as_near(less: Fit, found: Fit) -> bool:
+    """Whether what a model with more effects does beyond another hardly speaks for it.
+
+    Args:
+        less: the fit of the model with fewer effects.
+        found: of the one with more.
+    """
     scale = misfit_of(found)
-    return is_enough(session, less) or log_fit(found, scale) - log_fit(less, scale) < LEAST_EVIDENCE
+    return log_fit(found, scale) - log_fit(less, scale) < LEAST_EVIDENCE
 
 
 def fit_without(session: Session, calibrated: Fit, found: Fit, index: int) -> Fit | None:

@@ -7,12 +7,13 @@ itself, begun anew, and then every kind is looked for once more from the numbers
 
 from dataclasses import replace
 
-from identification.acceptance import explains_as_much, fit_without
+from identification.acceptance import comes_as_near, explains_as_much, fit_without, tell_tangent
 from identification.calibrate import concerning
-from identification.evidence import Ranked, reweighed
+from identification.evidence import Ranked, reweighed, with_evidence
 from identification.exchange import fit_at
 from identification.fewer import Fewer
 from identification.fit import Fit, fit
+from identification.in_its_place import settled_apart
 from identification.judge import finals, restarted
 from identification.look import View, beside
 from identification.prepare import cut_to
@@ -24,6 +25,10 @@ from identification.sketch import is_alike
 def one_alone(session: Session, calibrated: Fit, found: Fit) -> Fewer | None:
     """One effect that explains what two did: one of them, or another.
 
+    One of the two has to explain as much as any effect that is kept while another is taken out. Of all other kinds at
+    all places some imitate the two down to near the noise, so another has to come as near to it as the two, and with
+    no more numbers.
+
     Args:
         session: with the records; told.
         calibrated: the model without effects.
@@ -33,48 +38,58 @@ def one_alone(session: Session, calibrated: Fit, found: Fit) -> Fewer | None:
         the model with its round, or None where none is or there are not two effects.
     """
     effects = found.hypothesis.effects
-    if len(effects) != len(PAIR):
+    if len(effects) != 2:
         return None
     names = " and ".join(effect.label() for effect in effects)
     session.progress(f"looking for one effect that does what {names} do")
-    alone = _one_of_them(session, calibrated, found)
-    try:
-        rows = _from_there(session, calibrated, alone or found)
-    except ArithmeticError:  # without the two nothing stands
-        rows = []
-    if alone is not None:
-        others = [row for row in rows if row.refitted and not is_alike(row.fit, alone)]
-        rows = reweighed(rows or [Ranked.of(alone)], [Ranked.of(alone), *others])
-    if not rows or not explains_as_much(session, rows[0].fit, found):
+    alone = _each_of_them(session, calibrated, found)
+    rows = told_apart(session, _judged(session, calibrated, found, alone))
+    numbers = sum(effect.n_numbers for effect in effects)
+    while rows and not any(is_alike(rows[0].fit, fit) for fit in alone):
+        if rows[0].effect.n_numbers <= numbers and comes_as_near(rows[0].fit, found):
+            break
+        rows = rows[1:]
+    if not rows:
         return None
     effect, best = rows[0].effect, rows[0].fit
     session.decide(
         f"{names} replaced by {effect.label()} alone: that explains the records as well; residual from "
         f"{found.ratio:.2f} to {best.ratio:.2f} times the noise; {effect.in_words()}"
     )
-    return Fewer(best, [told_apart(session, rows)], f"{names} replaced by {effect.label()} alone")
+    tell_tangent(session, rows[0])
+    return Fewer(best, [rows], f"{names} replaced by {effect.label()} alone")
 
 
-PAIR = (1, 0)
-"""Of the two the later one first: nothing but the earlier one made up for it."""
+def _each_of_them(session: Session, calibrated: Fit, found: Fit) -> list[Fit]:
+    """The fits of the two by themselves, begun anew, that explain as much."""
+    fits = []
+    for index in range(len(found.hypothesis.effects)):
+        less = fit_without(session, calibrated, found, index)
+        if less is not None:
+            less = restarted(session.fitting, calibrated, less)
+            fits += [less] if explains_as_much(session, less, found) else []
+    return fits
 
 
-def _one_of_them(session: Session, calibrated: Fit, found: Fit) -> Fit | None:
-    """The fit of one of two effects by itself, begun anew, that explains as much."""
-    for kept in PAIR:
-        less = fit_without(session, calibrated, found, 1 - kept)
-        if less is None:
-            continue
-        less = restarted(session.fitting, calibrated, less)
-        if explains_as_much(session, less, found):
-            return less
-    return None
+def _judged(session: Session, calibrated: Fit, found: Fit, alone: list[Fit]) -> list[Ranked]:
+    """Every kind without other effects, from the best numbers there are, ranked with those that stand by themselves."""
+    try:
+        rows = _from_there(session, calibrated, min(alone, key=lambda each: each.cost, default=found))
+    except ArithmeticError:  # without the two nothing stands
+        rows = []
+    if not alone:
+        return rows
+    kept: list[Ranked] = []
+    for row in sorted((*map(Ranked.of, alone), *(r for r in rows if r.refitted)), key=lambda row: row.fit.cost):
+        kept += [] if any(is_alike(row.fit, other.fit) for other in kept) else [row]
+    ranked = reweighed(rows, kept) if rows else with_evidence(kept)
+    return settled_apart(session.fitting, ranked, session.progress)
 
 
 def _from_there(session: Session, calibrated: Fit, found: Fit) -> list[Ranked]:
     """Every kind judged without other effects, from the numbers found.
 
-    Kinds that act over the length of a record are left out: no two others do what they do.
+    Kinds that act over the length of a record are left out: looking for them takes whole records.
     """
     bare = fit_at(session, calibrated, replace(found.hypothesis, effects=()))
     evaluator = cut_to(session.searching(bare), SCREEN_SECONDS, session.limits, 2)

@@ -104,12 +104,8 @@ def diagnose(
         chosen = accepted(session, chain[-1], rounds[-1])
         if chosen is None:
             break
-        chosen = session.resolve(chosen)
-        learnt = relearn(session, chosen)
-        if learnt is not chosen:
-            chosen, chain = learnt, fitted_again(session, chain)
-        chain.append(chosen)
-        stages.append(session.stage(f"+ {chosen.hypothesis.effects[-1].label()}", chosen.hypothesis))
+        chain = _with(session, chain, chosen)
+        stages.append(session.stage(f"+ {chosen.hypothesis.effects[-1].label()}", chain[-1].hypothesis))
         chain, rounds = _revised(session, chain, rounds, stages)
     chain[-1], rounds = fallen_apart(chain[-1], rounds)
     verdict, final, last = _ended(session, chain, rounds, stages)
@@ -124,12 +120,21 @@ def _revised(
     """The models and rounds after the effects were held against each other: needless, others in their places, fewer."""
     chain, rounds = _pruned(session, chain, rounds, stages, newest=len(rounds) - 1)
     chain, rounds = _exchanged(session, chain, rounds, stages, range(len(rounds) - 1))
-    fewer = one_alone(session, chain[0], chain[-1]) or with_fewer(session, chain[0], chain[-1], rounds)
-    if fewer is None:
-        return chain, rounds
-    stages.append(session.stage(fewer.label, fewer.fit.hypothesis))
-    waiting = range(len(fewer.rounds)) if len(fewer.rounds) > 1 else ()
-    return _exchanged(session, [*chain, fewer.fit], fewer.rounds, stages, waiting)
+    while True:
+        fewer = one_alone(session, chain[0], chain[-1]) or with_fewer(session, chain[0], chain[-1], rounds)
+        if fewer is None:
+            return chain, rounds
+        stages.append(session.stage(fewer.label, fewer.fit.hypothesis))
+        chain, rounds = _with(session, chain, fewer.fit), fewer.rounds
+        if len(rounds) > 1:
+            chain, rounds = _exchanged(session, chain, rounds, stages, range(len(rounds)))
+
+
+def _with(session: Session, chain: list[Fit], chosen: Fit) -> list[Fit]:
+    """The models so far and one more, with steps as fine as it needs, on the noise that it leaves."""
+    chosen = session.resolve(chosen)
+    learnt = relearn(session, chosen)
+    return [*(chain if learnt is chosen else fitted_again(session, chain)), learnt]
 
 
 def _exchanged(

@@ -20,7 +20,7 @@ from identification.session import Session
 from models.effects import Effect
 
 LEAST_EFFECTS = 3
-"""Of two, one at all places without the other is what the first round has looked for."""
+"""Of two, ``alone`` asks."""
 
 
 @dataclass(frozen=True, eq=False)

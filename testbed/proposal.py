@@ -34,7 +34,8 @@ def proposal_json(proposal: Proposal) -> Json:
 
 
 def _promise(option: Option) -> Json:
-    return {"expected_probability": option.expected_probability, "separation": option.separation}
+    promise = {"expected_probability": option.expected_probability, "separation": option.separation}
+    return {**promise, "confirmed": option.confirmed}
 
 
 def _test(test: PlannedTest) -> Json:
@@ -55,7 +56,7 @@ def option_rows(proposal: Proposal) -> list[tuple[str, ...]]:
         (
             option.test.words,
             f"{option.test.minutes:.3g}",
-            f"{option.expected_probability:.3f}",
+            f"{'' if option.confirmed else 'up to '}{option.expected_probability:.3f}",
             sigmas(option.separation),
             f"{option.reach:.2g} x",
         )

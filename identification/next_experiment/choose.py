@@ -87,14 +87,21 @@ def options_of(question: Question) -> tuple[Option, ...]:
     rough = [(each, _option(question, each, each.scatter())) for each in seen]
     rough.sort(key=lambda pair: _merit(question, pair[1]), reverse=True)
     rows = [_projected(question, each) for each, _ in _varied(rough)]
-    sure: list[_Row] = []
-    while rows:
-        rows.sort(key=lambda row: _merit(question, row.option), reverse=True)
-        if rows[0] in sure:
+    rows.sort(key=lambda row: _merit(question, row.option), reverse=True)
+    if question.old is None:
+        return tuple(row.option for row in rows[:SHOWN])
+    for _ in range(MOST_CONFIRMED):
+        if not rows or rows[0].option.confirmed:
             break
-        rows[0] = _confirmed(question, rows[0])
-        sure.append(rows[0])
-    return tuple(row.option for row in rows[:SHOWN])
+        rows = [*_confirmed(question, question.old, rows[0]), *rows[1:]]
+        rows.sort(key=lambda row: _merit(question, row.option), reverse=True)
+    sure = next((number for number, row in enumerate(rows) if row.option.confirmed), len(rows))
+    return tuple(row.option for row in rows[sure : sure + SHOWN])
+
+
+MOST_CONFIRMED = 6
+"""Of the best tests whose promise is confirmed by fits, until the best of all is; if none is by then, the best of these
+is proposed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,11 +118,14 @@ def _projected(question: Question, seen: Forecast) -> _Row:
     return _Row(_option(question, part, scatter), part, scatter)
 
 
-def _confirmed(question: Question, row: _Row) -> _Row:
-    if question.old is None:
-        return row
-    scatter = confirmed(row.seen, question.rivals, question.old, row.scatter)
-    return replace(row, option=_option(question, row.seen, scatter), scatter=scatter)
+def _confirmed(question: Question, old: Evaluator, row: _Row) -> list[_Row]:
+    """A row with what fits leave of its promise; none where a fit has lost its way."""
+    try:
+        scatter = confirmed(row.seen, question.rivals, old, row.scatter)
+    except ArithmeticError:
+        return []
+    option = replace(_option(question, row.seen, scatter), confirmed=True)
+    return [replace(row, option=option, scatter=scatter)]
 
 
 def _varied(rough: Sequence[tuple[Forecast, Option]]) -> list[tuple[Forecast, Option]]:

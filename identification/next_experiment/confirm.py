@@ -8,12 +8,13 @@ Source: A. C. Atkinson, V. V. Fedorov, Biometrika 62 (1975) 57: T-optimality, th
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from itertools import permutations
 
 import numpy as np
 
 from identification.evaluate import Evaluator
-from identification.fit import fit
-from identification.hypothesis import Hypothesis
+from identification.fit import Fit, fit
+from identification.hypothesis import Hypothesis, Unknown
 from identification.next_experiment.forecast import Forecast
 from identification.next_experiment.rivals import Rival
 from identification.prepare import start_unknowns
@@ -55,22 +56,24 @@ class Against(Evaluator):
 
 
 def confirmed(seen: Forecast, rivals: Sequence[Rival], old: Evaluator, scatter: FloatArray) -> FloatArray:
-    """The covariance of the log odds with separations from and to the first rival found by fits, where those are less.
+    """The covariance of the log odds with every separation found by a fit, where that is less.
 
     Args:
         seen: predictions of a test.
         rivals: the same.
         old: the records so far.
         scatter: (K, K, K) from slopes.
+
+    Raises:
+        ArithmeticError: a fit has lost its way, and nothing is confirmed.
     """
     found = scatter.copy()
-    for other in range(1, len(rivals)):
-        for a, b in ((0, other), (other, 0)):
-            size = _refitted(seen, rivals, old, a, b)
-            if size < scatter[a, b, b]:
-                share = np.sqrt(size / scatter[a, b, b])
-                found[a, b, :] *= share
-                found[a, :, b] *= share
+    for a, b in permutations(range(len(rivals)), 2):
+        size = _refitted(seen, rivals, old, a, b)
+        if size < scatter[a, b, b]:
+            share = np.sqrt(size / scatter[a, b, b])
+            found[a, b, :] *= share
+            found[a, :, b] *= share
     return found
 
 
@@ -82,22 +85,28 @@ def _refitted(seen: Forecast, rivals: Sequence[Rival], old: Evaluator, a: int, b
     new = replace(target, density=target.density * seconds / max(seen.useful, seconds))
     both = old.with_targets([*old.targets, new])
     right, wrong = (_with_starts(rivals[i].fit.hypothesis, seen.models[i]) for i in (a, b))
-    try:
-        unknowns = (*rivals[b].fit.unknowns, *start_unknowns(wrong, [target.record]))
-        before = Against(old, right).residuals([(wrong, None)])[0]
-        for seconds_seen in WINDOWS:
-            if seconds_seen < seconds:
-                begun = new.cut(round(seconds_seen * target.record.fs))
-                short = Against(old.with_targets([*old.targets, begun]), right)
-                wrong = fit(short, wrong, unknowns, max_iterations=ITERATIONS, tolerance=TOLERANCE).hypothesis
-        after = fit(Against(both, right), wrong, unknowns, max_iterations=ITERATIONS, tolerance=TOLERANCE)
-    except ArithmeticError:
-        return float("inf")
+    unknowns = (*rivals[b].fit.unknowns, *start_unknowns(wrong, [target.record]))
+    (before,) = Against(old, right).residuals([(wrong, None)])
     if before is None:
-        return float("inf")
-    independent = seen.weight / (max(seen.useful, seconds) / seconds)
-    lost = independent * (after.chi2 - float(before @ before)) + after.penalty - rivals[b].fit.penalty
+        raise ArithmeticError("a rival diverges on the records so far")
+    starts = [wrong]
+    for seconds_seen in (each for each in WINDOWS if each < seconds):
+        begun = new.cut(round(seconds_seen * target.record.fs))
+        short = Against(old.with_targets([*old.targets, begun]), right)
+        starts += [found.hypothesis for found in _fitted(short, starts[-1], unknowns)]
+    after = next((end for start in reversed(starts) for end in _fitted(Against(both, right), start, unknowns)), None)
+    if after is None:
+        raise ArithmeticError("no fit of a rival finds its way through the new record")
+    lost = (after.chi2 - float(before @ before)) / seen.unit + after.penalty - rivals[b].fit.penalty
     return max(0.0, lost)
+
+
+def _fitted(against: Against, start: Hypothesis, unknowns: Sequence[Unknown]) -> list[Fit]:
+    """The fit from a start, if it does not lose its way."""
+    try:
+        return [fit(against, start, unknowns, max_iterations=ITERATIONS, tolerance=TOLERANCE)]
+    except ArithmeticError:
+        return []
 
 
 def _with_starts(fitted: Hypothesis, new: Hypothesis) -> Hypothesis:

@@ -44,8 +44,8 @@ class Forecast:
         evaluator: with the test's record, in which the first rival's prediction stands for what was measured.
         models: the rivals on this test, with their starts.
         residuals: (K, n_data) predictions less the first rival's, in units of the noise.
-        weight: what a unit of squared difference says afterwards, when all is weighed together: for the length of the
-            test, for noise that all channels share, and for what the best model itself misses (``unit_of``).
+        misfit: residual over noise that the best model leaves, 1 at least.
+        n_before: real numbers in the residuals of the records so far.
         useful: seconds of the test for which neighbouring motions stay together.
         reach: largest reading that a rival predicts, times the largest so far.
     """
@@ -54,9 +54,27 @@ class Forecast:
     evaluator: Evaluator
     models: tuple[Hypothesis, ...]
     residuals: FloatArray
-    weight: float
+    misfit: float
+    n_before: int
     useful: float
     reach: float
+
+    @property
+    def longer(self) -> float:
+        """The useful part of the test over what of it is simulated."""
+        (target,) = self.evaluator.timed
+        return max(1.0, self.useful / target.record.duration)
+
+    @property
+    def unit(self) -> float:
+        """The square of the unit in which old and new records together will be weighed (``evidence.unit_of``)."""
+        n_data = self.n_before + self.longer * self.evaluator.n_data
+        return unit_of(self.evaluator.repeats, self.misfit, n_data)
+
+    @property
+    def weight(self) -> float:
+        """What a unit of squared difference says afterwards."""
+        return self.longer / self.unit
 
     def scatter(self, columns: Sequence[FloatArray] | None = None) -> FloatArray:
         """(K, K, K) covariance of the log odds of the first rival against the two others, if the first is right.
@@ -117,10 +135,9 @@ def forecast(
     rows = evaluator.residuals([(model, None) for model in models])
     if any(row is None for row in rows):
         raise ArithmeticError("a rival diverges in this test")
-    longer = test.seconds / seconds
-    weight = longer / unit_of(evaluator.repeats, misfit, rivals[0].fit.n_data + longer * evaluator.n_data)
     residuals = np.stack([row for row in rows if row is not None])
-    return Forecast(test, evaluator, models, residuals, weight, test.seconds, bench.reach(clean))
+    n_before = rivals[0].fit.n_data
+    return Forecast(test, evaluator, models, residuals, misfit, n_before, test.seconds, bench.reach(clean))
 
 
 CARRIED = 2
@@ -147,7 +164,7 @@ def followed(seen: Forecast) -> Forecast:
     silent = TimeTarget.of(seen.test.record(target.record.name, target.record.sensors), target.noise)
     (limit,) = horizons(seen.evaluator.with_targets([silent]), seen.models[0])
     useful = min(limit.seconds, whole)
-    part = replace(seen, useful=useful, weight=seen.weight * max(useful, seconds) / whole)
+    part = replace(seen, useful=useful)
     if useful >= seconds:
         return part
     short = seen.evaluator.with_targets([target.cut(round(useful * target.record.fs))])

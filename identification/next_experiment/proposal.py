@@ -16,9 +16,10 @@ class Option:
         test: what is done.
         expected_probability: of the right rival afterwards.
         separation: of the two rivals that it parts least, in standard deviations of the noise and of the model's own
-            error (``evidence.unit_of``); confirmed by a fit for the first option, an upper bound for the others.
+            error (``evidence.unit_of``).
         reach: largest reading that is expected, times the largest so far.
         followed: seconds of the record that neighbouring motions stay together.
+        confirmed: whether fits have confirmed what it promises; else that is an upper bound.
     """
 
     test: PlannedTest
@@ -26,6 +27,7 @@ class Option:
     separation: float
     reach: float
     followed: float
+    confirmed: bool = False
 
 
 @dataclass(frozen=True, eq=False)

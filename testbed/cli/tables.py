@@ -114,10 +114,10 @@ def print_next(content: Mapping[str, Any]) -> None:
     Args:
         content: ``next_experiment`` of ``diagnosis.json``.
     """
-    keys = ("do", "minutes", "expected_probability", "separation")
+    keys = ("do", "minutes", "expected_probability", "separation", "confirmed")
     if "options" in content:
         rows = [[option[key] for key in keys] for option in content["options"]]
-        print_table(("test", "minutes", "expected probability", "separation"), rows, "next experiment")
+        print_table(("test", "minutes", "expected probability", "separation", "confirmed"), rows, "next experiment")
     say(f"next: {content['do']}: {content['why']}")
 
 

@@ -1,10 +1,13 @@
 """Two effects that one could replace, by itself or of another kind, and two that are needed."""
 
 import pytest
-from trial_records import beam_session, found_with
+from trial_records import beam_session, fit_of, found_with
 
+from identification import alone
 from identification.alone import one_alone
-from models.effects import Place
+from identification.evidence import Ranked
+from models.effects import EFFECTS, Place
+from models.effects.absorber import Absorber
 from models.effects.axial_load import AxialLoad
 from models.effects.local_damage import LocalDamage
 from models.effects.point_mass import PointMass
@@ -14,6 +17,7 @@ from models.effects.sensor_gain import SensorGain
 MASS, GAIN = PointMass(Place(position=0.86), mass=0.1), SensorGain(Place(sensor="P4"), gain=0.8)
 DAMAGE = LocalDamage(Place(position=0.64), loss=0.2, width=0.1)
 LIGHT, LOAD = PointMass(Place(position=0.7), mass=0.05), AxialLoad(Place(), force=-20.0)
+SWINGING = Absorber(Place(position=0.7), mass=0.05, frequency=30.0, damping_ratio=0.02)
 ASTRAY = PointStiffness(Place(position=0.4), stiffness=9000.0)
 
 
@@ -36,6 +40,7 @@ def test_another_kind_replaces_two_that_imitated_it():
 @pytest.mark.parametrize("pair", [(MASS, ASTRAY), (ASTRAY, MASS)], ids=["first", "second"])
 def test_one_of_two_stands_by_itself_with_its_rivals(pair):
     session = beam_session(MASS)
+    session.registry = {kind: EFFECTS[kind] for kind in ("point_stiffness", "axial_load")}  # these find no mass
     found = found_with(session, *pair)
 
     less = one_alone(session, found_with(session), found)
@@ -44,6 +49,19 @@ def test_one_of_two_stands_by_itself_with_its_rivals(pair):
     assert mass.kind == "point_mass"
     assert mass.mass == pytest.approx(0.1, rel=0.05)
     assert len({row.effect.kind for row in less.rounds[0]}) > 1
+
+
+@pytest.mark.parametrize(
+    ("rival", "worse", "stays"), [(LIGHT, 1.0, False), (LIGHT, 1.12, True), (SWINGING, 1.0, True)], ids=str
+)
+def test_another_kind_has_to_come_as_near_with_no_more_numbers(monkeypatch, rival, worse, stays):
+    session = beam_session(MASS, GAIN)
+    found = found_with(session, MASS, GAIN)
+    there = fit_of(rival, worse**2 * found.chi2, n_data=found.n_data)
+    monkeypatch.setattr(alone, "_each_of_them", lambda *_: [])
+    monkeypatch.setattr(alone, "_from_there", lambda *_: [Ranked.of(there)])
+
+    assert (one_alone(session, found, found) is None) == stays
 
 
 def test_two_that_are_needed_stay():

@@ -36,15 +36,15 @@ def test_a_fit_follows_a_number_where_slopes_do_not():
     rig = oscillator()
     bench = bench_of(rig, SIGMA)
     old = blind_record(bench)
-    rivals = [fitted(free(model), old) for model in (moved(rig, 0.0, 0.3, 0.0), Hypothesis(rig))]
+    rivals = [fitted(free(model), old) for model in (moved(rig, 0.0, 1.5, 0.0), Hypothesis(rig))]
     seen = followed(forecast(bench, rivals, steady(bench, COSTS, 1.0, bench.band, "level"), 1.0, Settings(), 1))
 
     slopes = explained_away(seen, rivals)
     found = confirmed(seen, rivals, old, slopes)
 
     assert slopes[0, 1, 1] > 100.0
-    # 0.3 of a tolerance costs 0.3^2 = 0.09; the fit stops when it gains little more.
-    assert found[0, 1, 1] == pytest.approx(0.09, abs=0.1)
+    # One and a half tolerances cost 1.5^2, in whatever unit residuals are counted.
+    assert found[0, 1, 1] == pytest.approx(2.25, abs=0.3)
 
 
 def test_what_no_number_does_is_confirmed():
