@@ -9,7 +9,7 @@ from identification.evidence import Ranked, log_occam
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
 from identification.in_its_place import RULED_OUT, of_the_sleeve
-from identification.judge import LEAST_REFITS, _best, _finals, judge
+from identification.judge import LEAST_REFITS, _best, finals, judge
 from identification.look import View
 from identification.sketch import FAR_BEHIND, Sketch
 from models.effects import EFFECTS, Place
@@ -93,9 +93,9 @@ def refits(monkeypatch):
     return ratios, asked
 
 
-def finals(sketches):
+def refitted(sketches):
     evaluator = evaluator_of(measured(Hypothesis(REFERENCE), multisine(512)))
-    return _finals(sketches, sketches, evaluator, BASE, {}, lambda _: None)
+    return finals(sketches, evaluator, BASE, {}, lambda _: None)
 
 
 def test_when_the_first_reaches_the_noise_those_far_off_are_not_refitted(refits):
@@ -103,7 +103,7 @@ def test_when_the_first_reaches_the_noise_those_far_off_are_not_refitted(refits)
     ratios.update(point_mass=1.0, point_damping=3.0)
     first, last = sketch(MASS, 0.9), sketch(PointDamping(HERE, damping=1.0), 1.0 - 0.1 * 1.1 * RULED_OUT**2)
 
-    rows = finals([first, last])
+    rows = refitted([first, last])
 
     assert asked == ["point_mass"]
     assert [(r.effect.kind, r.refitted) for r in rows] == [("point_mass", True), ("point_damping", False)]
@@ -120,7 +120,7 @@ def test_what_is_plainly_above_the_noise_beside_the_one_that_reaches_it_is_not_f
         SensorGain(Place(sensor="P3"), gain=0.5),
     ]
 
-    rows = finals([sketch(effect, 0.9) for effect in effects])
+    rows = refitted([sketch(effect, 0.9) for effect in effects])
 
     assert asked == ["point_mass", "point_damping", "sensor_gain"]
     assert [(r.effect.kind, r.refitted) for r in rows] == [
@@ -135,7 +135,7 @@ def test_while_none_reaches_the_noise_all_are_refitted(refits):
     ratios, asked = refits
     ratios.update(point_mass=2.0, point_damping=1.5)
 
-    rows = finals([sketch(MASS, 0.9), sketch(PointDamping(HERE, damping=1.0), 0.1)])
+    rows = refitted([sketch(MASS, 0.9), sketch(PointDamping(HERE, damping=1.0), 0.1)])
 
     assert asked == ["point_mass", "point_damping"]
     assert [r.effect.kind for r in rows] == ["point_damping", "point_mass"]
@@ -153,7 +153,7 @@ def test_those_that_fit_nearly_alike_are_fitted_to_the_end(refits, monkeypatch):
     monkeypatch.setattr(in_its_place, "fit", to_the_end)
     others = PointDamping(HERE, damping=1.0), PointStiffness(HERE, stiffness=1.0)
 
-    rows = finals([sketch(MASS, 0.9), *(sketch(effect, 0.89) for effect in others)])
+    rows = refitted([sketch(MASS, 0.9), *(sketch(effect, 0.89) for effect in others)])
 
     assert asked == [("point_mass", 0.0), ("point_damping", 0.0)]
     assert [row.effect.kind for row in rows] == ["point_damping", "point_mass", "point_stiffness"]
@@ -167,11 +167,11 @@ def test_kinds_in_time_are_looked_at_where_no_other_reaches_the_noise(monkeypatc
         asked.append(view.is_lasting)
         return [Sketch(far, fit_of(MASS, 1000.0 * left**2))]
 
-    def settled(finalists, sketches, fitting, base, registry, progress):
+    def settled(sketches, fitting, base, registry, progress, known):
         return [Ranked(MASS, fit_of(MASS, 1000.0), refitted=True, log_evidence=0.0)]
 
     monkeypatch.setattr(judging, "beside", beside)
-    monkeypatch.setattr(judging, "_finals", settled)
+    monkeypatch.setattr(judging, "finals", settled)
     views = [View(None, far, {"point_mass": PointMass}), View(None, far, {"wear": Wear})]
 
     judge(views, None, far, lambda _: None)

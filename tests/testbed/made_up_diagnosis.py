@@ -57,7 +57,7 @@ def made_up_proposal():
         do=test.words,
         why="to tell them apart",
         test=test,
-        options=(Option(test, 0.98, 4.2, 2.1, 4.0), Option(weaker, 0.7, 1.1, 1.0, 4.0)),
+        options=(Option(test, 0.98, 4.2, 2.1, 4.0, confirmed=True), Option(weaker, 0.7, 1.1, 1.0, 4.0)),
         present_probability=0.5,
         rivals=(FILM, FRICTION),
         noise={"P1": 0.01, "excitation": 0.0},

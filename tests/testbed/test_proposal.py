@@ -43,7 +43,8 @@ def test_the_json_holds_the_test_what_it_promises_and_the_others():
     assert content["excitation"] == {"kind": "sweep", "low": 5.0, "high": 100.0, "amplitude": 2.0, "duration": 4.0}
     assert (content["expected_probability"], content["separation"], content["present_probability"]) == (0.98, 4.2, 0.5)
     assert content["minutes"] == pytest.approx(1.0 + 4.0 / 60.0)
-    assert [option["do"] for option in content["options"]] == ["a sweep of 2 N", "a sweep of 1 N"]
+    options = [(option["do"], option["confirmed"]) for option in content["options"]]
+    assert options == [("a sweep of 2 N", True), ("a sweep of 1 N", False)]
 
 
 def test_words_alone_are_words_alone_in_the_json_and_leave_no_file(tmp_path, rig_path):
@@ -59,6 +60,7 @@ def test_the_table_is_of_finished_texts():
     rows = option_rows(made_up_proposal())
     assert [len(row) for row in rows] == [len(HEADS)] * 2
     assert rows[0] == ("a sweep of 2 N", "1.07", "0.980", "4.2", "2.1 x")
+    assert rows[1][2] == "up to 0.700"
 
 
 def test_the_experiment_that_is_written_runs(tmp_path, rig_path):
