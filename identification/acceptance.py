@@ -64,7 +64,14 @@ def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
         why = f"takes away only {share:.0%} of the misfit" if little else "the records hardly speak for it"
         session.decide(f"{name} is the best of the library, but {why}: not added")
         return None
-    if _is_passing(session, base, best):
+    unseen = _passing(session, base, best)
+    if unseen is not None:
+        session.is_passing = unseen[0] <= NOISE_DOUBTED
+        session.decide(
+            f"{name} takes the residual from {base.ratio:.2f} to {best.fit.ratio:.2f} times the noise where it was "
+            f"fitted, but from {unseen[0]:.2f} to {unseen[1]:.2f} times in the rest of the same records: not added, "
+            "since what is missing in a rig is there for as long as a test lasts"
+        )
         return None
     session.decide(
         f"{name} added: residual from {base.ratio:.2f} to {best.fit.ratio:.2f} times the noise, "
@@ -85,21 +92,17 @@ def tell_tangent(session: Session, added: Ranked) -> None:
         session.decide(f"{added.effect.label()} is seen by its tangent at rest alone: {AT_REST_ONLY}")
 
 
-def _is_passing(session: Session, base: Fit, best: Ranked) -> bool:
-    """Whether the effect explains an event in what was fitted, and nothing in the rest of the same tests."""
+def _passing(session: Session, base: Fit, best: Ranked) -> tuple[float, float] | None:
+    """What an effect leaves beyond the part fitted, before and after, where it explains no more than an event there.
+
+    Returns:
+        residual over noise in the rest of the same records; None where it takes something away there too.
+    """
     before = left_unseen(session, base)
     if before is None or before > LARGE_UNSEEN:
-        return False
+        return None
     after = left_unseen(session, best.fit)
-    if after is None or after < PREDICTS * before:
-        return False
-    session.is_passing = before <= NOISE_DOUBTED
-    session.decide(
-        f"{best.effect.label()} takes the residual from {base.ratio:.2f} to {best.fit.ratio:.2f} times the noise where "
-        f"it was fitted, but from {before:.2f} to {after:.2f} times in the rest of the same records: not added, since "
-        "what is missing in a rig is there for as long as a test lasts"
-    )
-    return True
+    return None if after is None or after < PREDICTS * before else (before, after)
 
 
 def pruned(session: Session, calibrated: Fit, found: Fit, *, newest: int) -> list[tuple[int, Fit]]:
