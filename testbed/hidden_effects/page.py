@@ -151,5 +151,6 @@ def _in_words(miss: Json) -> str:
 
 
 def _effect(effect: Json) -> str:
-    place = next((f" at {effect[key]}" for key in ("sleeve", "position", "sensor") if effect.get(key) is not None), "")
+    at = next((effect[key] for key in ("sleeve", "position", "sensor") if effect.get(key) is not None), None)
+    place = "" if at is None else f" at {at:.4g}" if isinstance(at, float) else f" at {at}"
     return f"{effect['kind']}{place}" + (f" and {effect['other']}" if effect.get("other") else "")
