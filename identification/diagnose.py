@@ -11,7 +11,7 @@ from identification.alone import one_alone
 from identification.assess import with_starts
 from identification.calibrate import calibrate, strained, unknowns_of
 from identification.conclude import concluded, one_set_of_numbers, settled
-from identification.established import NOT_ESTABLISHED, unestablished
+from identification.established import unestablished
 from identification.evaluate import carry_noise
 from identification.evidence import Ranked
 from identification.exchange import exchanged
@@ -164,7 +164,8 @@ def _ended(
 ) -> tuple[Verdict, Fit, Fit]:
     """The verdict, the model that stands, and the same on all records with honest intervals.
 
-    An effect whose size these intervals do not tell from none is taken out, with its round.
+    An effect whose size these intervals do not tell from none, or whose law they do not tell, is taken out, with its
+    round.
     """
     searched = bool(rounds)
     final = chain[-1]
@@ -172,11 +173,12 @@ def _ended(
         verdict = verdict_of(session, chain[0], final, searched=searched)
         final = final if verdict == "missing_effect" else chain[0]
         last = settled(session, final)
-        index = unestablished(last)
-        if verdict != "missing_effect" or index is None:
+        doubted = unestablished(last)
+        if verdict != "missing_effect" or doubted is None:
             return verdict, final, last
+        index, why = doubted
         label = final.hypothesis.effects[index].label()
-        session.decide(f"{label} taken out again: {NOT_ESTABLISHED}")
+        session.decide(f"{label} taken out again: {why}")
         final = fit_without(session, chain[0], final, index) or chain[0]
         stages.append(session.stage(f"- {label}", final.hypothesis))
         del rounds[index]

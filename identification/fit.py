@@ -11,7 +11,7 @@ import numpy as np
 
 from identification.evaluate import Evaluator
 from identification.hypothesis import Hypothesis, Unknown, at_coordinates, coordinates
-from models.arrays import FloatArray
+from models.arrays import BoolArray, FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,16 +211,18 @@ def _difference(
         if new is None or change == 0:
             rows[k] = 0.0
             continue
-        rows[k] = new - state.residual if unknowns[k].record is None else _only(evaluator, state, unknowns[k], new)
-        rows[k] /= change
+        rows[k] = np.where(_acts(evaluator, unknowns[k]), new - state.residual, 0.0) / change
 
 
 def _along_valleys(evaluator: Evaluator, state: _State, unknowns: tuple[Unknown, ...], rows: FloatArray) -> None:
     """Correct the rows along directions in which they nearly cancel, where their own errors would close a valley.
 
     Differences of impacting motion are good to a hundredth. Of two rows whose difference is smaller than that, only a
-    difference along the valley itself tells what is left. Source: C. G. Broyden, Math. Comput. 19 (1965) 577, eq. 4.5.
+    difference along the valley itself tells what is left. What one record alone has (its start, its own phase) stays
+    without slope in the others. Source: C. G. Broyden, Math. Comput. 19 (1965) 577, eq. 4.5; where slopes are known to
+    be 0, L. K. Schubert, Math. Comput. 24 (1970) 27.
     """
+    acts = np.array([_acts(evaluator, unknown) for unknown in unknowns])
     for _ in range(VALLEY_ROUNDS):
         norms = np.linalg.norm(rows, axis=1)
         told = np.flatnonzero(norms > 0.0)
@@ -236,7 +238,9 @@ def _along_valleys(evaluator: Evaluator, state: _State, unknowns: tuple[Unknown,
             along[told] = directions[:, k] / norms[told]
             slope = _slope_along(evaluator, state, unknowns, along, float(np.sqrt(max(size[k], 0.0))))
             if slope is not None:
-                unit = unit + np.outer(directions[:, k], slope - directions[:, k] @ unit)
+                share = np.maximum(directions[:, k] ** 2 @ acts[told], LEAST_ACTING)
+                missed = (slope - directions[:, k] @ unit) / share
+                unit = unit + np.outer(directions[:, k], missed) * acts[told]
         rows[told] = unit * norms[told, None]
 
 
@@ -257,6 +261,9 @@ def _slope_along(
 VALLEY_ROUNDS = 2
 """What is left after the first correction has another direction."""
 
+LEAST_ACTING = 0.5
+"""Share of a direction that acts in a record, up to which all of what it misses there is laid on that share."""
+
 NEARLY_CANCELLED = 0.05
 """Norm of a combination of rows, each of norm 1, below which a hundredth of a row is no longer little."""
 
@@ -273,14 +280,12 @@ LEAST_STEP = 1e-6
 """Smallest difference, in an unknown's own coordinate; a smaller one drowns in the stepper's own tolerance."""
 
 
-def _only(evaluator: Evaluator, state: _State, unknown: Unknown, new: FloatArray) -> FloatArray:
-    difference = np.zeros_like(new)
-    end = 0
-    for target in evaluator.targets:
-        start, end = end, end + target.n_data
-        if target.record.name == unknown.record:
-            difference[start:end] = new[start:end] - state.residual[start:end]
-    return difference
+def _acts(evaluator: Evaluator, unknown: Unknown) -> BoolArray:
+    """(n_data,) whether an unknown can change a number of the residual."""
+    if unknown.record is None:
+        return np.ones(evaluator.n_data, bool)
+    mine = [target.record.name == unknown.record for target in evaluator.targets]
+    return np.repeat(mine, [target.n_data for target in evaluator.targets])
 
 
 def _step(

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from trial_records import REFERENCE, fit_of
 
-from identification.established import unestablished
+from identification.established import NO_LAW, NO_SIZE, unestablished
 from models.effects import Place
 from models.effects.clamp_compliance import ClampCompliance
 from models.effects.coulomb_friction import CoulombFriction
@@ -30,7 +30,7 @@ def with_log_std(effect, spreads):
 def test_a_size_known_to_a_factor_is_established_or_not(effect):
     spread = effect.fitted_parameters()[0][1].spread
     assert unestablished(with_log_std(effect, 0.9 * log(3.0) / spread)) is None
-    assert unestablished(with_log_std(effect, 1.1 * log(3.0) / spread)) == 0
+    assert unestablished(with_log_std(effect, 1.1 * log(3.0) / spread)) == (0, NO_SIZE)
 
 
 def test_a_factor_is_measured_from_one():
@@ -40,7 +40,7 @@ def test_a_factor_is_measured_from_one():
     unit = known.unknowns[0].unit if SensorGain.parameters()["gain"].scale == "linear" else 1.0
     assert unestablished(replace(known, covariance=np.array([[(std / unit) ** 2]]))) is None
     near = replace(known, hypothesis=replace(known.hypothesis, effects=(SensorGain(Place(sensor="P3"), 1.01),)))
-    assert unestablished(replace(near, covariance=np.array([[(std / unit) ** 2]]))) == 0
+    assert unestablished(replace(near, covariance=np.array([[(std / unit) ** 2]]))) == (0, NO_SIZE)
 
 
 def test_an_offset_is_measured_from_none_whatever_its_sign():
@@ -48,17 +48,30 @@ def test_an_offset_is_measured_from_none_whatever_its_sign():
         found = fit_of(GapOffset(SLEEVE, sign * 1e-4), 1000.0)
         unit = found.unknowns[0].unit
         assert unestablished(replace(found, covariance=np.array([[(1.9e-4 / unit) ** 2]]))) is None
-        assert unestablished(replace(found, covariance=np.array([[(2.1e-4 / unit) ** 2]]))) == 0
+        assert unestablished(replace(found, covariance=np.array([[(2.1e-4 / unit) ** 2]]))) == (0, NO_SIZE)
 
 
-def test_numbers_that_are_known_together_alone_establish_an_effect():
-    """A friction that never sticks is known by its force over its slip velocity, neither by itself."""
-    found = fit_of(CoulombFriction(AT, 5.0, 1.0), 1000.0)
-    apart, together = 25.0, 1e-4
-    turn = np.array([[1.0, 1.0], [-1.0, 1.0]]) / np.sqrt(2.0)
-    covariance = turn.T @ np.diag([together, apart]) @ turn
-    assert unestablished(replace(found, covariance=covariance)) is None
-    assert unestablished(replace(found, covariance=apart * np.eye(2))) == 0
+TURN = np.array([[1.0, 1.0], [-1.0, 1.0]]) / np.sqrt(2.0)
+
+
+def known_together(effect, apart, together):
+    """A fit of an effect with two numbers, of which the ratio is known otherwise than the product."""
+    return replace(fit_of(effect, 1000.0), covariance=TURN.T @ np.diag([together, apart]) @ TURN)
+
+
+def test_of_two_numbers_one_has_to_be_known_by_itself():
+    """A friction that never sticks is known by its force over its slip velocity: that is a dashpot's one number."""
+    friction = CoulombFriction(AT, 5.0, 1.0)
+    spreads = [about.spread for _, about in friction.fitted_parameters()]
+    half = 2.0 * (log(1.5) / min(spreads)) ** 2
+    assert unestablished(known_together(friction, 0.8 * half, 1e-4)) is None
+    assert unestablished(known_together(friction, 1.3 * half, 1e-4)) == (0, NO_LAW)
+    assert unestablished(known_together(friction, 25.0, 25.0)) == (0, NO_SIZE)
+
+
+def test_a_law_of_one_number_is_established_by_its_size_alone():
+    spread = PointMass.parameters()["mass"].spread
+    assert unestablished(with_log_std(PointMass(AT, 0.05), log(2.0) / spread)) is None
 
 
 def test_another_law_in_a_contact_has_no_size():
@@ -68,4 +81,4 @@ def test_another_law_in_a_contact_has_no_size():
 def test_the_misfit_counts():
     spread = PointMass.parameters()["mass"].spread
     found = with_log_std(PointMass(AT, 0.05), 0.9 * log(3.0) / spread)
-    assert unestablished(replace(found, chi2=4000.0)) == 0
+    assert unestablished(replace(found, chi2=4000.0)) == (0, NO_SIZE)
