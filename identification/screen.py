@@ -132,7 +132,8 @@ def survey(
     """Every kind at every place at many sizes, none taken to act in proportion, the most promising first.
 
     For records so short that they can be simulated a thousand times, and misfits so large that nothing is linear but
-    what the rig's numbers do.
+    what the rig's numbers do. What changes the response by far more than is left at its least is tried as large as
+    what is left, too.
 
     Args:
         evaluator: the beginning of the records.
@@ -146,12 +147,18 @@ def survey(
     projection = Projection(start)
     trials = _trials(evaluator, start, registry, near, channels, lines)
     ladder = [size for row in trials.values() for size in _ladder(row)]
+    least = {trial.scaled(BETWEEN[0]) for row in trials.values() for trial in row if trial.scaled(BETWEEN[0]) != trial}
     progress(f"surveying {len(registry)} kinds of effect at every place: {len(ladder)} trials")
-    suspects = [
-        Suspect(effect, projection.misfit - projection.left_of(row))
-        for effect, row in _residuals(evaluator, start.hypothesis, ladder)
-    ]
-    return sorted(suspects, key=lambda suspect: -suspect.gain)
+
+    def tried(sizes: Sequence[Effect]) -> list[tuple[Suspect, float]]:
+        rows = _residuals(evaluator, start.hypothesis, sizes)
+        gains = ((effect, projection.misfit - projection.left_of(row), row - start.residual) for effect, row in rows)
+        return [(Suspect(effect, gain), float(np.linalg.norm(change))) for effect, gain, change in gains]
+
+    left = float(np.sqrt(max(projection.misfit, 0.0)))
+    seen = tried(ladder)
+    smaller = [s.effect.scaled(left / by) for s, by in seen if s.effect in least and left < SMALL_ENOUGH * by]
+    return sorted((suspect for suspect, _ in [*seen, *tried(smaller)]), key=lambda suspect: -suspect.gain)
 
 
 def _ladder(trials: Sequence[Effect]) -> list[Effect]:

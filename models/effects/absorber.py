@@ -1,12 +1,19 @@
 """A small oscillator that hangs on the structure: a cable, a loose fixture, a tuned mass."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
+from math import ceil, log
 from typing import ClassVar, Self
+
+import numpy as np
 
 from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature, StructureKind, parameter
 from models.structure import Absorber as Attached
 from models.structure import Structure
+
+WIDEST = 2.0**0.5
+"""Largest ratio of two neighbouring frequencies that are tried."""
 
 
 @dataclass(frozen=True)
@@ -32,9 +39,12 @@ class Absorber(Effect):
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:
-        """2 % of the structure's mass at its first modes' frequencies, damped by 2 %."""
+        """2 % of the structure's mass, damped by 2 %, from half the first natural frequency up in half octaves.
+
+        Modes that are driven move off theirs as sleeves are met, and what hangs on a structure need not be tuned to it.
+        """
         mass = 0.02 * scene.structure.line_mass * (scene.structure.length or 1.0)
-        for frequency in scene.natural_freqs:
+        for frequency in _filled(scene.natural_freqs):
             yield cls(scene.place, mass=mass, frequency=frequency, damping_ratio=0.02)
 
     def change_structure(self, structure: Structure) -> Structure:
@@ -48,3 +58,12 @@ class Absorber(Effect):
             f"at every amplitude, near {self.frequency:.4g} Hz: {self.mass:.3g} kg on a spring move against the "
             f"structure there (damping ratio {self.damping_ratio:.2g}), and one resonance becomes two"
         )
+
+
+def _filled(natural_freqs: Sequence[float]) -> Iterator[float]:
+    """Half of the first frequency, Hz, then the frequencies and as many between them as leave no wide gap."""
+    below = (0.5 * natural_freqs[0], *natural_freqs) if natural_freqs else ()
+    for low, high in pairwise(below):
+        n = ceil(log(high / low) / log(WIDEST))
+        yield from np.geomspace(low, high, n, endpoint=False).tolist()
+    yield from natural_freqs[-1:]

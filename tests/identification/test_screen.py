@@ -147,14 +147,15 @@ def test_a_survey_finds_the_place_and_the_size_of_a_heavy_mass():
     assert near.gain >= first.gain
 
 
-def test_a_mass_that_shows_as_little_as_the_noise_is_found_at_its_place():
+@pytest.mark.parametrize("look", [survey, screen])
+def test_a_mass_that_shows_as_little_as_the_noise_is_found_at_its_place(look):
     """Three grams: a trial of ordinary size shifts all resonances by more than their width, and shows nothing."""
     hidden = PointMass(Place(position=0.86), mass=0.003)
     evaluator = evaluator_of(measured(Hypothesis(REFERENCE, effects=(hidden,)), multisine(8192, rms=2.0)))
     base = fit(evaluator, Hypothesis(REFERENCE), rig_unknowns(REFERENCE))
     assert base.ratio < 2.0
 
-    first, *_ = screen(evaluator, base, {"point_mass": PointMass, "sensor_gain": SensorGain}, lambda _: None)
+    first, *_ = look(evaluator, base, {"point_mass": PointMass, "sensor_gain": SensorGain}, lambda _: None)
 
     assert first.effect.place.position == pytest.approx(0.86, abs=0.1)
     assert first.effect.mass == pytest.approx(0.003, rel=0.5)
