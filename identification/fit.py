@@ -28,6 +28,7 @@ class Fit:
         jacobian: (n_unknowns, n_data).
         covariance: (n_unknowns, n_unknowns) in the unknowns' own coordinates, for noise of the estimated size.
         repeats: how many times chi-square counts noise that all channels share, at most.
+        widened: (n_unknowns,) or 1, factor on each deviation for what noise does not do (``scatter.widening``).
     """
 
     hypothesis: Hypothesis
@@ -39,6 +40,7 @@ class Fit:
     jacobian: FloatArray
     covariance: FloatArray
     repeats: float = 1.0
+    widened: FloatArray | float = 1.0
 
     @property
     def cost(self) -> float:

@@ -61,7 +61,7 @@ def corrected(evaluator: Evaluator, found: Fit, rng: np.random.Generator) -> Fit
     if residual is None:
         return free
     factor = widening(evaluator, free, free.jacobian * residual - bias)
-    return replace(free, covariance=free.covariance * np.outer(factor, factor))
+    return replace(free, covariance=free.covariance * np.outer(factor, factor), widened=factor)
 
 
 def finer(evaluator: Evaluator, hypothesis: Hypothesis) -> Evaluator:

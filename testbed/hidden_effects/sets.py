@@ -6,8 +6,9 @@ sure of themselves, 8 of seed 3107 a start that was missing, 30 of seed 4517 wha
 another with more numbers, and a number known only beside another, 3 of seed 5381 two names for one wall, 21 of seed
 6257 numbers that stay where a second effect had pulled them, 21 of seed 7411 lines read from half a second and numbers
 that the force's noise moved out of their tolerance, 67 of seed 8839 a first effect that answers for the second too,
-and a faint second one that trials of ordinary size do not show, 36 of seed 10271 two effects that stood for one; the
-seed below has been drawn since.
+and a faint second one that trials of ordinary size do not show, 36 of seed 10271 two effects that stood for one, 131 of
+seed 11497 an absorber between the modes, laws none of whose numbers was told, and a base taken out again for rounding
+in its phases; the seed below has been drawn since.
 """
 
 from dataclasses import dataclass
@@ -147,7 +148,7 @@ TUNING = CaseSet(
 
 REPORTED = CaseSet(
     name="reported",
-    seed=11497,
+    seed=12659,
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),
     length=Span(0.6, 2.4),

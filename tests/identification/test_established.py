@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from trial_records import REFERENCE, fit_of
 
-from identification.established import NO_LAW, NO_SIZE, unestablished
+from identification.established import NO_LAW, NO_SIZE, TOLD, unestablished
 from models.effects import Place
 from models.effects.clamp_compliance import ClampCompliance
 from models.effects.coulomb_friction import CoulombFriction
@@ -59,14 +59,18 @@ def known_together(effect, apart, together):
     return replace(fit_of(effect, 1000.0), covariance=TURN.T @ np.diag([together, apart]) @ TURN)
 
 
-def test_of_two_numbers_one_has_to_be_known_by_itself():
+def test_of_two_numbers_the_records_have_to_tell_one():
     """A friction that never sticks is known by its force over its slip velocity: that is a dashpot's one number."""
     friction = CoulombFriction(AT, 5.0, 1.0)
-    spreads = [about.spread for _, about in friction.fitted_parameters()]
-    half = 2.0 * (log(1.5) / min(spreads)) ** 2
-    assert unestablished(known_together(friction, 0.8 * half, 1e-4)) is None
-    assert unestablished(known_together(friction, 1.3 * half, 1e-4)) == (0, NO_LAW)
+    apart = 2.0 * TOLD**2
+    assert unestablished(known_together(friction, 0.8 * apart, 1e-4)) is None
+    assert unestablished(known_together(friction, 1.3 * apart, 1e-4)) == (0, NO_LAW)
     assert unestablished(known_together(friction, 25.0, 25.0)) == (0, NO_SIZE)
+
+
+def test_what_a_record_left_out_moves_is_no_doubt_of_the_law():
+    widely = known_together(CoulombFriction(AT, 5.0, 1.0), 1.3 * 2.0 * TOLD**2, 1e-4)
+    assert unestablished(replace(widely, widened=np.array([1.5, 1.5]))) is None
 
 
 def test_a_law_of_one_number_is_established_by_its_size_alone():
