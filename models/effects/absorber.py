@@ -15,6 +15,9 @@ from models.structure import Structure
 WIDEST = 2.0**0.5
 """Largest ratio of two neighbouring frequencies that are tried."""
 
+SLOWEST = 1e-4
+"""Share of the highest natural frequency below which a mode is none of vibration."""
+
 
 @dataclass(frozen=True)
 class Absorber(Effect):
@@ -61,9 +64,12 @@ class Absorber(Effect):
 
 
 def _filled(natural_freqs: Sequence[float]) -> Iterator[float]:
-    """Half of the first frequency, Hz, then the frequencies and as many between them as leave no wide gap."""
-    below = (0.5 * natural_freqs[0], *natural_freqs) if natural_freqs else ()
-    for low, high in pairwise(below):
+    """Half of the first frequency, Hz, then the frequencies and as many between them as leave no wide gap.
+
+    A structure that nothing holds, or that is about to buckle, has modes at next to no frequency; they are left out.
+    """
+    held = [freq for freq in natural_freqs if freq > SLOWEST * natural_freqs[-1]]
+    for low, high in pairwise((0.5 * held[0], *held) if held else ()):
         n = ceil(log(high / low) / log(WIDEST))
         yield from np.geomspace(low, high, n, endpoint=False).tolist()
-    yield from natural_freqs[-1:]
+    yield from held[-1:]

@@ -5,7 +5,7 @@ from math import pi, sqrt
 
 import numpy as np
 import pytest
-from effect_scenes import BEAM, OSCILLATOR
+from effect_scenes import BEAM, OSCILLATOR, scene_at
 
 from models.effects import Place
 from models.effects.absorber import Absorber
@@ -129,6 +129,15 @@ def test_an_absorber_splits_a_resonance_as_two_masses_on_two_springs():
     expected = np.sqrt(np.linalg.eigvals([[1.1 * stiffness / mass, -0.1 * stiffness / mass], [-(tuned**2), tuned**2]]))
     effect = Absorber(Place(), mass=hung, frequency=tuned / (2 * pi), damping_ratio=0.0)
     np.testing.assert_allclose(model(effect, rig=OSCILLATOR).omega, np.sort(expected), rtol=1e-12)
+
+
+@pytest.mark.parametrize("rigid", [(), (0.0,), (1e-6, 2e-6)])
+def test_absorbers_are_tried_in_half_octaves_of_the_modes_of_vibration(rigid):
+    tried = [a.frequency for a in Absorber.trials(scene_at(Place(position=1.2), natural_freqs=(*rigid, 7.0, 44.0)))]
+    assert tried[0] == pytest.approx(3.5)
+    assert {7.0, 44.0} <= set(np.round(tried, 9))
+    assert np.all(np.diff(np.log2(tried)) <= 0.5 + 1e-9)
+    assert np.all(np.diff(tried) > 0.0)
 
 
 def test_a_stiff_absorber_is_a_mass_and_a_weightless_one_is_none():
