@@ -17,12 +17,13 @@ LEAST_DEVIATIONS = 0.5
 records that tell a friction differently leave 1.2, a mass that stood on one blow alone left 0.1."""
 
 TOLD = 0.2
-"""Deviation of a number by noise, all others free, in its own coordinate, from which the records do not tell it: that
-is the share left of what was known beforehand. Of two hystereses that stood for springs whose force relaxes 0.35 and
-0.5 were left at the least, of a true one that the records hardly bend 0.08."""
+"""Deviation of a number by noise and the misfit, all others free, in its own coordinate, from which the records do not
+tell it: at the noise that is the share left of what was known beforehand. Of two hystereses that stood for springs
+whose force relaxes 0.35 and 0.5 were left at the least, of a true one that the records hardly bend 0.08."""
 
 NO_SIZE = "its size hangs on one mode, channel or record, and the others do not tell it from nothing"
 NO_LAW = "the records tell none of its numbers by itself: it may stand for another law that does the same"
+"""Why such an effect is not named."""
 
 
 def unestablished(found: Fit) -> tuple[int, str] | None:

@@ -26,7 +26,8 @@ class Fit:
         n_data: real numbers in the residual.
         residual: (n_data,) in units of the noise.
         jacobian: (n_unknowns, n_data).
-        covariance: (n_unknowns, n_unknowns) in the unknowns' own coordinates, for noise of the estimated size.
+        covariance: (n_unknowns, n_unknowns) in the unknowns' own coordinates, for noise of the estimated size,
+            times ``widened`` on both sides.
         repeats: how many times chi-square counts noise that all channels share, at most.
         widened: (n_unknowns,) or 1, factor on each deviation for what noise does not do (``scatter.widening``).
     """
@@ -264,7 +265,8 @@ VALLEY_ROUNDS = 2
 """What is left after the first correction has another direction."""
 
 LEAST_ACTING = 0.5
-"""Share of a direction that acts in a record, up to which all of what it misses there is laid on that share."""
+"""Share of a direction that acts in a record, from which on all that it misses there is laid on that share; of less of
+the direction, so much less."""
 
 NEARLY_CANCELLED = 0.05
 """Norm of a combination of rows, each of norm 1, below which a hundredth of a row is no longer little."""

@@ -132,8 +132,8 @@ def survey(
     """Every kind at every place at many sizes, none taken to act in proportion, the most promising first.
 
     For records so short that they can be simulated a thousand times, and misfits so large that nothing is linear but
-    what the rig's numbers do. What changes the response by far more than is left at its least is tried as large as
-    what is left, too.
+    what the rig's numbers do. A trial that at the least of its sizes changes the response by far more than is left is
+    tried as large as what is left, too.
 
     Args:
         evaluator: the beginning of the records.
@@ -147,7 +147,7 @@ def survey(
     projection = Projection(start)
     trials = _trials(evaluator, start, registry, near, channels, lines)
     ladder = [size for row in trials.values() for size in _ladder(row)]
-    least = {trial.scaled(BETWEEN[0]) for row in trials.values() for trial in row if trial.scaled(BETWEEN[0]) != trial}
+    least = {less for row in trials.values() for trial in row if (less := trial.scaled(BETWEEN[0])) != trial}
     progress(f"surveying {len(registry)} kinds of effect at every place: {len(ladder)} trials")
 
     def tried(sizes: Sequence[Effect]) -> list[tuple[Suspect, float]]:

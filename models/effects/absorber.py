@@ -42,7 +42,7 @@ class Absorber(Effect):
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:
-        """2 % of the structure's mass, damped by 2 %, from half the first natural frequency up in half octaves.
+        """2 % of the structure's mass, damped by 2 %, in half octaves from half the first frequency of vibration.
 
         Modes that are driven move off theirs as sleeves are met, and what hangs on a structure need not be tuned to it.
         """
