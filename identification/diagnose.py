@@ -165,23 +165,25 @@ def _ended(
     """The verdict, the model that stands, and the same on all records with honest intervals.
 
     An effect whose size these intervals do not tell from none, or whose law they do not tell, is taken out, with its
-    round.
+    round; the last round stays where it is needed to show what was weighed.
     """
     searched = bool(rounds)
-    final = chain[-1]
+    final, weighed = chain[-1], rounds[:1]
     while True:
         verdict = verdict_of(session, chain[0], final, searched=searched)
         final = final if verdict == "missing_effect" else chain[0]
         last = settled(session, final)
-        doubted = unestablished(last)
+        doubted = unestablished(last, in_motion=bool(session.everything.timed))
         if verdict != "missing_effect" or doubted is None:
+            if verdict == "unexplained" and not rounds:
+                rounds += weighed
             return verdict, final, last
         index, why = doubted
         label = final.hypothesis.effects[index].label()
         session.decide(f"{label} taken out again: {why}")
         final = fit_without(session, chain[0], final, index) or chain[0]
         stages.append(session.stage(f"- {label}", final.hypothesis))
-        del rounds[index]
+        weighed = [rounds.pop(index)]
 
 
 def _open(

@@ -17,29 +17,30 @@ LEAST_DEVIATIONS = 0.5
 records that tell a friction differently leave 1.2, a mass that stood on one blow alone left 0.1."""
 
 TOLD = 0.2
-"""Deviation of a number by noise and the misfit, all others free, in its own coordinate, from which the records do not
-tell it: at the noise that is the share left of what was known beforehand. Of two hystereses that stood for springs
-whose force relaxes 0.35 and 0.5 were left at the least, of a true one that the records hardly bend 0.08."""
+"""Deviation of a number by noise alone, all others free, from which the records do not tell it: the share left of what
+was known of it beforehand, or of a linear number's own size. Of two hystereses that stood for springs whose force
+relaxes 0.35 and 0.5 were left at the least, of a true one that the records hardly bend 0.08."""
 
 NO_SIZE = "its size hangs on one mode, channel or record, and the others do not tell it from nothing"
 NO_LAW = "the records tell none of its numbers by itself: it may stand for another law that does the same"
 """Why such an effect is not named."""
 
 
-def unestablished(found: Fit) -> tuple[int, str] | None:
+def unestablished(found: Fit, *, in_motion: bool = True) -> tuple[int, str] | None:
     """Number of the first effect whose size cannot be told from none, or whose law is not known, and why.
 
     Effects without a value at which they are not there (another law in a contact) have no size.
 
     Args:
         found: the last fit, with its widened covariance.
+        in_motion: whether any record holds motion; at rest laws are seen by their tangents alone, and not doubted.
 
     Returns:
         the number and the reason; None where all effects are known.
     """
     by_misfit = found.std() / np.sqrt(np.diag(found.covariance))
-    by_noise = found.std() / found.widened
-    for index in range(len(found.hypothesis.effects)):
+    by_noise = np.sqrt(np.diag(found.covariance)) / found.widened
+    for index, effect in enumerate(found.hypothesis.effects):
         own = [i for i, unknown in enumerate(found.unknowns) if getattr(unknown, "effect", None) == index]
         numbers = {i: unknown for i in own if isinstance(unknown := found.unknowns[i], EffectUnknown)}
         sized = {i: unknown for i, unknown in numbers.items() if unknown.about.neutral is not None}
@@ -50,7 +51,7 @@ def unestablished(found: Fit) -> tuple[int, str] | None:
         alone = dict(zip(own, held.tolist(), strict=True))
         if max(_deviations(found, unknown, alone[i]) for i, unknown in sized.items()) < LEAST_DEVIATIONS:
             return index, NO_SIZE
-        if len(numbers) > 1 and min(by_noise[i] for i in numbers) > TOLD:
+        if in_motion and effect.n_numbers > 1 and min(by_noise[i] for i in numbers) > TOLD:
             return index, NO_LAW
     return None
 

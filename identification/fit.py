@@ -4,7 +4,7 @@ Levenberg and Marquardt's method. The columns of the Jacobian that belong to the
 are kept from one iteration to the next, and formed anew only where a step does not bring what it promised.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -225,7 +225,7 @@ def _along_valleys(evaluator: Evaluator, state: _State, unknowns: tuple[Unknown,
     without slope in the others. Source: C. G. Broyden, Math. Comput. 19 (1965) 577, eq. 4.5; where slopes are known to
     be 0, L. K. Schubert, Math. Comput. 24 (1970) 27.
     """
-    acts = np.array([_acts(evaluator, unknown) for unknown in unknowns])
+    records = list(_alone_in(evaluator, unknowns))
     for _ in range(VALLEY_ROUNDS):
         norms = np.linalg.norm(rows, axis=1)
         told = np.flatnonzero(norms > 0.0)
@@ -236,15 +236,41 @@ def _along_valleys(evaluator: Evaluator, state: _State, unknowns: tuple[Unknown,
         weak = np.flatnonzero(size < NEARLY_CANCELLED**2)
         if not len(weak):
             return
+        seen: dict[int, FloatArray] = {}
         for k in weak.tolist():
             along = np.zeros(len(unknowns))
             along[told] = directions[:, k] / norms[told]
             slope = _slope_along(evaluator, state, unknowns, along, float(np.sqrt(max(size[k], 0.0))))
             if slope is not None:
-                share = np.maximum(directions[:, k] ** 2 @ acts[told], LEAST_ACTING)
-                missed = (slope - directions[:, k] @ unit) / share
-                unit = unit + np.outer(directions[:, k], missed) * acts[told]
+                seen[k] = slope
+        if not seen:
+            return
+        valleys, slopes = directions[:, list(seen)], np.stack(list(seen.values()))
+        for acts, data in records:
+            unit[:, data] += _least_change(valleys, acts[told], slopes[:, data] - valleys.T @ unit[:, data])
         rows[told] = unit * norms[told, None]
+
+
+def _alone_in(evaluator: Evaluator, unknowns: tuple[Unknown, ...]) -> Iterator[tuple[BoolArray, slice]]:
+    """For each record, (n_unknowns,) which unknowns act in it, and where its numbers are in the residual."""
+    start = 0
+    for target in evaluator.targets:
+        name = target.record.name
+        yield np.array([unknown.record in (None, name) for unknown in unknowns]), slice(start, start + target.n_data)
+        start += target.n_data
+
+
+def _least_change(directions: FloatArray, acts: BoolArray, missed: FloatArray) -> FloatArray:
+    """(n_rows, n_data) the least change of the rows that act which adds to each direction what it misses.
+
+    Args:
+        directions: (n_rows, n_directions) orthonormal.
+        acts: (n_rows,) rows that may change.
+        missed: (n_directions, n_data); of what hardly acts, only its share is added.
+    """
+    own = directions * acts[:, None]
+    share, turned = np.linalg.eigh(own.T @ own)
+    return np.asarray(own @ (turned / np.maximum(share, LEAST_ACTING)) @ (turned.T @ missed))
 
 
 def _slope_along(
@@ -265,8 +291,8 @@ VALLEY_ROUNDS = 2
 """What is left after the first correction has another direction."""
 
 LEAST_ACTING = 0.5
-"""Share of a direction that acts in a record, from which on all that it misses there is laid on that share; of less of
-the direction, so much less."""
+"""Square of a direction's part that acts in a record, from which on that part takes up all that is missed there; of a
+smaller one so much less: it would have to change by more than the slope that is missed."""
 
 NEARLY_CANCELLED = 0.05
 """Norm of a combination of rows, each of norm 1, below which a hundredth of a row is no longer little."""

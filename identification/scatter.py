@@ -78,7 +78,8 @@ def beyond_noise(
     excess = np.zeros(len(known))
     for number in numbers.tolist():
         part = parts == number
-        without = inverse_of(information - jacobian[:, part] @ jacobian[:, part].T)
+        others = jacobian[:, ~part]
+        without = inverse_of(others @ others.T + np.diag(prior))
         squares = (without @ shares[:, part].sum(axis=1)) ** 2
         by_noise = known * np.maximum(np.diag(without) / inverse - 1.0, 0.0)
         counts = (squares > CLEARLY**2 * by_noise) & (np.diag(without) < MOST_LEVERAGE * inverse)

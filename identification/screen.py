@@ -4,7 +4,7 @@ For each trial value the model is simulated once. The change of the response, fr
 could do as well, is laid on the residual; the share of chi-square that it takes away, at its best size, is the score.
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -56,6 +56,15 @@ class Projection:
         gradient = self.rows @ residual + self.held
         return float(residual @ residual + self.penalty - gradient @ self.inverse @ gradient)
 
+    def own(self, change: FloatArray) -> float:
+        """Chi-square of what a change of the response has that the fit's unknowns could not do as well.
+
+        Args:
+            change: (n_data,) in units of the noise.
+        """
+        shared = self.rows @ change
+        return max(float(change @ change - shared @ self.inverse @ shared), 0.0)
+
     def gain(self, change: FloatArray, *, two_sided: bool = False) -> tuple[float, float]:
         """(decrease of chi-square, best factor) for a change of the response proportional to a trial value.
 
@@ -63,11 +72,10 @@ class Projection:
             change: (n_data,) in units of the noise.
             two_sided: whether a negative factor makes sense (a gain below 1 for one above).
         """
-        shared = self.rows @ change
-        along = float(change @ self.residual - shared @ self.pull)
-        size = float(change @ change - shared @ self.inverse @ shared)
+        size = self.own(change)
         if size <= LEAST_SHARE * float(change @ change) or size == 0.0:
             return 0.0, 1.0
+        along = float(change @ self.residual - self.rows @ change @ self.pull)
         best = -along / size
         size_of = min(max(abs(best), LEAST_FACTOR), LARGEST_FACTOR)
         factor = -size_of if best < 0 and two_sided else size_of if best > 0 else LEAST_FACTOR
@@ -97,24 +105,55 @@ def screen(
         channels: on which effects may sit (``places_of``).
     """
     projection = Projection(base)
+
+    def seen(trials: Sequence[Effect]) -> Iterator[Seen]:
+        for trial, row in _residuals(evaluator, base.hypothesis, trials):
+            change = row - base.residual
+            gain, factor = projection.gain(change, two_sided=_two_sided(trial))
+            yield trial, Suspect(trial.scaled(factor), gain), projection.own(change)
+
     trials = _trials(evaluator, base, registry, channels=channels)
     first = [row[len(row) // 2] for row in trials.values()]
     progress(f"screening {len(registry)} kinds of effect at every place: {len(first)} trials")
-    seen = list(_residuals(evaluator, base.hypothesis, first))
-    suspects = [_suspect(base, projection, effect, row) for effect, row in seen]
-    changes = [(effect, float(np.linalg.norm(row - base.residual))) for effect, row in seen]
-    left = float(np.sqrt(base.chi2))
-    smaller = [effect.scaled(left / change) for effect, change in changes if left < SMALL_ENOUGH * change]
-    suspects += _tried(evaluator, base, projection, smaller)
+    suspects = _looked_at(seen, first, projection.misfit, progress)
     near = {(s.effect.kind, s.effect.place) for s in promising(suspects, PLACES_TO_VARY)}
     rest = [e for key, row in trials.items() if key in near for e in row if e is not row[len(row) // 2]]
     progress(f"trying {len(rest)} other values at the best places")
-    suspects += _tried(evaluator, base, projection, rest)
+    suspects += _looked_at(seen, rest, projection.misfit, progress)
     return sorted(suspects, key=lambda suspect: -suspect.gain)
 
 
+Seen = tuple[Effect, Suspect, float]
+"""A trial, what it promises, and the chi-square that it changes beyond what the rig's numbers could."""
+
+
+def _looked_at(
+    seen: Callable[[Sequence[Effect]], Iterator[Seen]],
+    trials: Sequence[Effect],
+    left: float,
+    progress: Progress,
+    again: Collection[Effect] | None = None,
+) -> list[Suspect]:
+    """The trials, and those that change far more than is left once more, as large as that.
+
+    Args:
+        seen: simulates trials.
+        trials: to be looked at.
+        left: chi-square.
+        progress: told how many follow.
+        again: trials that are made smaller where they change too much; None for all.
+    """
+    looked = list(seen(trials))
+    far = [(trial, own) for trial, _, own in looked if left < SMALL_ENOUGH**2 * own]
+    smaller = [trial.scaled(float(np.sqrt(left / own))) for trial, own in far if again is None or trial in again]
+    if smaller:
+        progress(f"trying {len(smaller)} again, as large as what is left")
+    return [suspect for _, suspect, _ in [*looked, *seen(smaller)]]
+
+
 SMALL_ENOUGH = 0.3
-"""Share of a trial's change of the response: where less is left, it is tried again as large as what is left."""
+"""Share of a trial's change of the response, beyond what the rig's numbers could do as well: where less is left, it is
+tried again as large as what is left."""
 
 PLACES_TO_VARY = 3
 """Places of each kind at which all trial values are tried, not only the middle one."""
@@ -145,20 +184,17 @@ def survey(
         lines: single ones that are left in longer records than these, whose beginning cannot tell them apart.
     """
     projection = Projection(start)
+
+    def seen(trials: Sequence[Effect]) -> Iterator[Seen]:
+        for trial, row in _residuals(evaluator, start.hypothesis, trials):
+            gain = projection.misfit - projection.left_of(row)
+            yield trial, Suspect(trial, gain), projection.own(row - start.residual)
+
     trials = _trials(evaluator, start, registry, near, channels, lines)
     ladder = [size for row in trials.values() for size in _ladder(row)]
     least = {less for row in trials.values() for trial in row if (less := trial.scaled(BETWEEN[0])) != trial}
     progress(f"surveying {len(registry)} kinds of effect at every place: {len(ladder)} trials")
-
-    def tried(sizes: Sequence[Effect]) -> list[tuple[Suspect, float]]:
-        rows = _residuals(evaluator, start.hypothesis, sizes)
-        gains = ((effect, projection.misfit - projection.left_of(row), row - start.residual) for effect, row in rows)
-        return [(Suspect(effect, gain), float(np.linalg.norm(change))) for effect, gain, change in gains]
-
-    left = float(np.sqrt(max(projection.misfit, 0.0)))
-    seen = tried(ladder)
-    smaller = [s.effect.scaled(left / by) for s, by in seen if s.effect in least and left < SMALL_ENOUGH * by]
-    return sorted((suspect for suspect, _ in [*seen, *tried(smaller)]), key=lambda suspect: -suspect.gain)
+    return sorted(_looked_at(seen, ladder, projection.misfit, progress, least), key=lambda suspect: -suspect.gain)
 
 
 def _ladder(trials: Sequence[Effect]) -> list[Effect]:
@@ -169,24 +205,6 @@ def _ladder(trials: Sequence[Effect]) -> list[Effect]:
 
 BETWEEN = (0.46, 1.0, 2.15)
 """Factors on trial sizes: thirds of a decade."""
-
-
-def _tried(evaluator: Evaluator, base: Fit, projection: Projection, trials: Sequence[Effect]) -> list[Suspect]:
-    rows = _residuals(evaluator, base.hypothesis, trials)
-    return [_suspect(base, projection, effect, row) for effect, row in rows]
-
-
-def _suspect(base: Fit, projection: Projection, effect: Effect, row: FloatArray) -> Suspect:
-    """A trial at its best size, by what it changes.
-
-    Args:
-        base: the model without it.
-        projection: of that.
-        effect: the trial.
-        row: (n_data,) residual with it.
-    """
-    gain, factor = projection.gain(row - base.residual, two_sided=_two_sided(effect))
-    return Suspect(effect.scaled(factor), gain)
 
 
 def _residuals(

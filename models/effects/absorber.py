@@ -12,11 +12,12 @@ from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature,
 from models.structure import Absorber as Attached
 from models.structure import Structure
 
-WIDEST = 2.0**0.5
-"""Largest ratio of two neighbouring frequencies that are tried."""
+WIDEST, MOST_STEPS = 2.0**0.5, 6
+"""Ratio of two neighbouring frequencies that are tried, at most, unless it takes more steps from mode to mode."""
 
-SLOWEST = 1e-4
-"""Share of the highest natural frequency below which a mode is none of vibration."""
+SLOWEST = 5e-3
+"""Share of the sixth natural frequency below which a mode is one of what the structure hangs on; of a cantilever the
+first is 0.012 of it."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +71,6 @@ def _filled(natural_freqs: Sequence[float]) -> Iterator[float]:
     """
     held = [freq for freq in natural_freqs if freq > SLOWEST * natural_freqs[-1]]
     for low, high in pairwise((0.5 * held[0], *held) if held else ()):
-        n = ceil(log(high / low) / log(WIDEST))
+        n = min(ceil(log(high / low) / log(WIDEST)), MOST_STEPS)
         yield from np.geomspace(low, high, n, endpoint=False).tolist()
     yield from held[-1:]

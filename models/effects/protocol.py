@@ -211,7 +211,7 @@ class Effect(ABC):
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:
-        """Values worth trying when nothing is known but the scene: a few, spanning what could hide in the data."""
+        """Values worth trying when nothing is known but the scene: few, but of all that could hide in the data."""
         raise NotImplementedError
 
     @property

@@ -7,6 +7,7 @@ import pytest
 from trial_records import REFERENCE, measured, moved, multisine, oscillator
 
 from identification.diagnose import diagnose
+from identification.established import NO_LAW
 from identification.hypothesis import Hypothesis
 from models.effects import EFFECTS, Place
 from models.effects.cubic_stiffness import CubicStiffness
@@ -99,3 +100,18 @@ def test_what_is_decided_is_told():
     assert not [message for message in told if "screening" in message]
     assert found.seed == 5
     assert found.seconds > 0.0
+
+
+def test_a_law_of_which_the_records_know_no_number_is_taken_out_and_still_shown():
+    """A friction that never sticks does what more damping does, at any force that is large enough."""
+    rig = oscillator()
+    damping = rig.parameters()[2]
+    truth = Hypothesis(rig, values={damping.path: 2.0 * damping.value})
+    record, _ = measured(truth, multisine(4096), noise=0.03)
+
+    found = diagnose(rig, [record], registry=few("coulomb_friction"), jobs=1)
+
+    assert (found.verdict, found.added) == ("unexplained", ())
+    assert any("coulomb_friction" in decision and NO_LAW in decision for decision in found.decisions)
+    assert [stage.label for stage in found.stages][-1] == "calibrated"
+    assert [candidate.effect.kind for candidate in found.candidates] == ["coulomb_friction"]

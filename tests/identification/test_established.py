@@ -73,6 +73,20 @@ def test_what_a_record_left_out_moves_is_no_doubt_of_the_law():
     assert unestablished(replace(widely, widened=np.array([1.5, 1.5]))) is None
 
 
+def test_what_all_laws_miss_is_no_doubt_of_the_law():
+    """A fit three times above the noise: its numbers are known a third as well, and the law as well as before."""
+    missed = replace(known_together(CoulombFriction(AT, 5.0, 1.0), 0.8 * 2.0 * TOLD**2, 1e-4), chi2=9000.0)
+    assert missed.ratio == pytest.approx(3.0)
+    assert unestablished(missed) is None
+    beyond = replace(known_together(CoulombFriction(AT, 5.0, 1.0), 1.3 * 2.0 * TOLD**2, 1e-4), chi2=9000.0)
+    assert unestablished(beyond) == (0, NO_LAW)
+
+
+def test_at_rest_the_law_is_not_asked_for():
+    found = known_together(CoulombFriction(AT, 5.0, 1.0), 1.3 * 2.0 * TOLD**2, 1e-4)
+    assert unestablished(found, in_motion=False) is None
+
+
 def test_a_law_of_one_number_is_established_by_its_size_alone():
     spread = PointMass.parameters()["mass"].spread
     assert unestablished(with_log_std(PointMass(AT, 0.05), log(2.0) / spread)) is None

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from trial_records import REFERENCE, evaluator_of, measured, moved, multisine, oscillator, sweep
 
-from identification.fit import fit
+from identification.fit import LEAST_ACTING, _least_change, fit
 from identification.hypothesis import (
     Hypothesis,
     OffsetUnknown,
@@ -41,14 +41,20 @@ class Number(Unknown):
         return replace(hypothesis, values={**hypothesis.values, self.name: min(max(x, self.lower), self.upper)})
 
 
+def target(name, n_data):
+    """So many numbers of a record."""
+    return SimpleNamespace(record=SimpleNamespace(name=name), n_data=n_data)
+
+
 class Linear:
     """Residuals A x - b, and how often they were asked for."""
 
-    jobs, targets, repeats = 1, (), 1.0
+    jobs, repeats = 1, 1.0
 
     def __init__(self, matrix, right, unknowns):
         self.matrix, self.right, self.unknowns = matrix, right, unknowns
         self.n_data, self.n_asked = len(right), 0
+        self.targets = (target("test", self.n_data),)
 
     def residuals(self, hypotheses):
         self.n_asked += len(hypotheses)
@@ -58,7 +64,7 @@ class Linear:
 class Impact:
     """The force K (q - gap)^n over a press: what K, in two e-folds, n, in 0.4, and the gap do is nearly the same."""
 
-    jobs, targets, repeats = 1, (), 1.0
+    jobs, targets, repeats = 1, (target("test", 400),), 1.0
     unknowns = (Number("K", step=0.01), Number("n", step=0.01), Number("gap", -4.0, 4.0, prior=True, step=0.05))
     press, deepest = np.linspace(0.0, 4e-4, 400), 1e5
 
@@ -80,7 +86,7 @@ class Impact:
 class Rough:
     """Only a sum of two gaps is seen, and what it does has kinks everywhere, as the motion between many impacts has."""
 
-    jobs, targets, repeats = 1, (), 1.0
+    jobs, targets, repeats = 1, (target("test", 400),), 1.0
     unknowns = (Number("one", prior=True, step=0.05), Number("other", prior=True, step=0.05))
     share, kinks, weight = 0.02, 400.0, 0.4
 
@@ -103,7 +109,7 @@ class TwoRecords(Rough):
     """A clock that both records share and a phase that each has for itself: only their sums are seen."""
 
     unknowns = (Number("clock", prior=True, step=0.05), *(Number(r, step=0.05, record=r) for r in "ab"))
-    targets = tuple(SimpleNamespace(record=SimpleNamespace(name=name), n_data=200) for name in "ab")
+    targets = tuple(target(name, 200) for name in "ab")
 
     def residuals(self, hypotheses):
         rows = []
@@ -298,6 +304,30 @@ def test_what_one_record_has_for_itself_has_no_slope_in_another():
     along = np.array([1.0, -1.0, -1.3]) / np.linalg.norm([1.0, -1.0, -1.3])
     assert np.linalg.norm(along @ found.jacobian) < 1e-3 * np.linalg.norm(found.jacobian[0])
     assert found.std()[0] == pytest.approx(1.0, rel=0.2)
+
+
+@pytest.mark.parametrize("of_each", [(0.9, 0.8), (0.3, 0.2)], ids=["all of it", "its share"])
+def test_what_two_valleys_miss_is_added_at_once_to_what_acts(of_each):
+    """One after the other they undo each other, where what acts makes them no longer orthogonal."""
+    turned = np.linalg.qr(np.random.default_rng(3).standard_normal((5, 5)))[0]
+    acts = np.array([True, True, True, False, False])
+    directions = directions_with(of_each, turned)
+    missed = np.random.default_rng(4).standard_normal((2, 7))
+
+    change = _least_change(directions, acts, missed)
+
+    assert not change[~acts].any()
+    shares, axes = np.linalg.eigh(directions[:3].T @ directions[:3])
+    np.testing.assert_allclose(np.sort(shares), np.sort(of_each))
+    added = np.minimum(shares / LEAST_ACTING, 1.0)
+    np.testing.assert_allclose(axes.T @ directions.T @ change, added[:, None] * (axes.T @ missed), atol=1e-12)
+
+
+def directions_with(shares, turned):
+    """(5, 2) two orthonormal directions, of which the first three rows hold these shares, along two axes of theirs."""
+    acting, resting = np.linalg.qr(turned[:3, :3])[0][:, :2], np.linalg.qr(turned[3:, :2])[0]
+    both = np.vstack([acting * np.sqrt(shares), resting * np.sqrt(1.0 - np.array(shares))])
+    return both @ np.array([[0.8, 0.6], [-0.6, 0.8]])
 
 
 def test_only_the_prior_splits_a_product_that_the_data_tell():

@@ -77,6 +77,22 @@ def test_without_noise_of_the_excitation_the_intervals_are_the_fits_or_what_the_
     np.testing.assert_allclose(found.covariance, plain.covariance * np.outer(factor, factor), rtol=1e-3)
 
 
+def test_what_the_intervals_were_widened_by_is_kept():
+    rig = oscillator()
+    pairs = [
+        measured(moved(rig, 0.0, sigma, 0.0), sweep(2048), seed=seed, name=f"day {seed}")
+        for seed, sigma in enumerate((-0.05, 0.0, 0.08))
+    ]
+    evaluator = evaluator_of(*pairs)
+    plain = fit(evaluator, Hypothesis(rig), rig_unknowns(rig), precise=True)
+
+    found = corrected(evaluator, plain, np.random.default_rng(0))
+
+    assert np.max(found.widened) > 2.0
+    unwidened = found.covariance / np.outer(found.widened, found.widened)
+    np.testing.assert_allclose(np.diag(unwidened), np.diag(plain.covariance), rtol=0.1)
+
+
 def test_a_model_without_unknowns_is_its_own_correction():
     truth = Hypothesis(oscillator())
     evaluator = evaluator_of(measured(truth, sweep(1024), force_noise=0.01))

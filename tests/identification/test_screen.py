@@ -9,10 +9,14 @@ from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, rig_unknowns
 from identification.screen import LARGEST_FACTOR, Projection, Suspect, promising, screen, survey
 from models.effects import Place
+from models.effects.absorber import Absorber
 from models.effects.coulomb_friction import CoulombFriction
 from models.effects.point_mass import PointMass
 from models.effects.sensor_gain import SensorGain
 from models.effects.youngs_modulus import YoungsModulus
+from models.linear import linearised, natural_modes
+from models.modal import build_modal
+from models.plant import build_plant
 
 RNG = np.random.default_rng(1)
 ROWS, RESIDUAL = RNG.standard_normal((3, 60)), RNG.standard_normal(60)
@@ -159,3 +163,18 @@ def test_a_mass_that_shows_as_little_as_the_noise_is_found_at_its_place(look):
 
     assert first.effect.place.position == pytest.approx(0.86, abs=0.1)
     assert first.effect.mass == pytest.approx(0.003, rel=0.5)
+
+
+@pytest.mark.parametrize("look", [survey, screen])
+def test_an_absorber_between_two_modes_is_found_at_its_frequency(look):
+    """Half way between two resonances of the rig at rest, and smaller than any trial."""
+    modes = natural_modes(linearised(build_modal(build_plant(REFERENCE), band=400.0)), (), 700.0).natural_freqs
+    between = float(np.sqrt(modes[1] * modes[2]))
+    hidden = Absorber(Place(position=0.86), mass=0.01, frequency=between, damping_ratio=0.02)
+    evaluator = evaluator_of(measured(Hypothesis(REFERENCE, effects=(hidden,)), multisine(4096, rms=2.0)))
+    base = fit(evaluator, Hypothesis(REFERENCE), rig_unknowns(REFERENCE))
+
+    first, *_ = look(evaluator, base, {"absorber": Absorber, "sensor_gain": SensorGain}, lambda _: None)
+
+    assert isinstance(first.effect, Absorber)
+    assert abs(np.log2(first.effect.frequency / between)) < 0.3

@@ -8,7 +8,7 @@ import pytest
 from effect_scenes import BEAM, OSCILLATOR, scene_at
 
 from models.effects import Place
-from models.effects.absorber import Absorber
+from models.effects.absorber import MOST_STEPS, Absorber
 from models.effects.axial_load import AxialLoad
 from models.effects.breathing_crack import BreathingCrack
 from models.effects.clamp_compliance import ClampCompliance
@@ -131,13 +131,22 @@ def test_an_absorber_splits_a_resonance_as_two_masses_on_two_springs():
     np.testing.assert_allclose(model(effect, rig=OSCILLATOR).omega, np.sort(expected), rtol=1e-12)
 
 
-@pytest.mark.parametrize("rigid", [(), (0.0,), (1e-6, 2e-6)])
+@pytest.mark.parametrize("rigid", [(), (0.0,), (1e-6, 2e-6), (0.15,)], ids=["held", "free", "numbers", "softly hung"])
 def test_absorbers_are_tried_in_half_octaves_of_the_modes_of_vibration(rigid):
     tried = [a.frequency for a in Absorber.trials(scene_at(Place(position=1.2), natural_freqs=(*rigid, 7.0, 44.0)))]
     assert tried[0] == pytest.approx(3.5)
     assert {7.0, 44.0} <= set(np.round(tried, 9))
     assert np.all(np.diff(np.log2(tried)) <= 0.5 + 1e-9)
     assert np.all(np.diff(tried) > 0.0)
+
+
+def test_no_gap_between_modes_takes_more_than_a_handful_of_absorbers():
+    cantilever = (9.25, 58.0, 162.0, 318.0, 525.0, 785.0)
+    tried = [a.frequency for a in Absorber.trials(scene_at(Place(position=1.2), natural_freqs=cantilever))]
+    assert tried[0] == pytest.approx(0.5 * cantilever[0])
+    assert len(tried) < 20
+    on_springs = [a.frequency for a in Absorber.trials(scene_at(Place(position=1.2), natural_freqs=(5.0, 900.0)))]
+    assert len(on_springs) == 2 + MOST_STEPS + 1
 
 
 def test_a_stiff_absorber_is_a_mass_and_a_weightless_one_is_none():
