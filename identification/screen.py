@@ -56,15 +56,6 @@ class Projection:
         gradient = self.rows @ residual + self.held
         return float(residual @ residual + self.penalty - gradient @ self.inverse @ gradient)
 
-    def own(self, change: FloatArray) -> float:
-        """Chi-square of what a change of the response has that the fit's unknowns could not do as well.
-
-        Args:
-            change: (n_data,) in units of the noise.
-        """
-        shared = self.rows @ change
-        return max(float(change @ change - shared @ self.inverse @ shared), 0.0)
-
     def gain(self, change: FloatArray, *, two_sided: bool = False) -> tuple[float, float]:
         """(decrease of chi-square, best factor) for a change of the response proportional to a trial value.
 
@@ -72,10 +63,11 @@ class Projection:
             change: (n_data,) in units of the noise.
             two_sided: whether a negative factor makes sense (a gain below 1 for one above).
         """
-        size = self.own(change)
+        shared = self.rows @ change
+        along = float(change @ self.residual - shared @ self.pull)
+        size = float(change @ change - shared @ self.inverse @ shared)
         if size <= LEAST_SHARE * float(change @ change) or size == 0.0:
             return 0.0, 1.0
-        along = float(change @ self.residual - self.rows @ change @ self.pull)
         best = -along / size
         size_of = min(max(abs(best), LEAST_FACTOR), LARGEST_FACTOR)
         factor = -size_of if best < 0 and two_sided else size_of if best > 0 else LEAST_FACTOR
@@ -110,7 +102,7 @@ def screen(
         for trial, row in _residuals(evaluator, base.hypothesis, trials):
             change = row - base.residual
             gain, factor = projection.gain(change, two_sided=_two_sided(trial))
-            yield trial, Suspect(trial.scaled(factor), gain), projection.own(change)
+            yield trial, Suspect(trial.scaled(factor), gain), float(change @ change)
 
     trials = _trials(evaluator, base, registry, channels=channels)
     first = [row[len(row) // 2] for row in trials.values()]
@@ -124,7 +116,7 @@ def screen(
 
 
 Seen = tuple[Effect, Suspect, float]
-"""A trial, what it promises, and the chi-square that it changes beyond what the rig's numbers could."""
+"""A trial, what it promises, and the square of its change of the residual."""
 
 
 def _looked_at(
@@ -144,16 +136,16 @@ def _looked_at(
         again: trials that are made smaller where they change too much; None for all.
     """
     looked = list(seen(trials))
-    far = [(trial, own) for trial, _, own in looked if left < SMALL_ENOUGH**2 * own]
-    smaller = [trial.scaled(float(np.sqrt(left / own))) for trial, own in far if again is None or trial in again]
+    far = [(trial, change) for trial, _, change in looked if left < SMALL_ENOUGH**2 * change]
+    smaller = [trial.scaled(float(np.sqrt(left / by))) for trial, by in far if again is None or trial in again]
     if smaller:
         progress(f"trying {len(smaller)} again, as large as what is left")
     return [suspect for _, suspect, _ in [*looked, *seen(smaller)]]
 
 
 SMALL_ENOUGH = 0.3
-"""Share of a trial's change of the response, beyond what the rig's numbers could do as well: where less is left, it is
-tried again as large as what is left."""
+"""Share of a trial's change of the response: where less is left, it is tried again as large as what is left. Of the
+whole change: where that is so large, the slopes of the rig's numbers do not tell how much of it they could do."""
 
 PLACES_TO_VARY = 3
 """Places of each kind at which all trial values are tried, not only the middle one."""
@@ -187,8 +179,8 @@ def survey(
 
     def seen(trials: Sequence[Effect]) -> Iterator[Seen]:
         for trial, row in _residuals(evaluator, start.hypothesis, trials):
-            gain = projection.misfit - projection.left_of(row)
-            yield trial, Suspect(trial, gain), projection.own(row - start.residual)
+            change = row - start.residual
+            yield trial, Suspect(trial, projection.misfit - projection.left_of(row)), float(change @ change)
 
     trials = _trials(evaluator, start, registry, near, channels, lines)
     ladder = [size for row in trials.values() for size in _ladder(row)]
