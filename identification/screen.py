@@ -136,8 +136,9 @@ def _looked_at(
         again: trials that are made smaller where they change too much; None for all.
     """
     looked = list(seen(trials))
-    far = [(trial, change) for trial, _, change in looked if left < SMALL_ENOUGH**2 * change]
-    smaller = [trial.scaled(float(np.sqrt(left / by))) for trial, by in far if again is None or trial in again]
+    far = [(trial, change) for trial, _, change in looked if 0.0 < left < SMALL_ENOUGH**2 * change]
+    wanted = [(trial, trial.scaled(float(np.sqrt(left / by)))) for trial, by in far if again is None or trial in again]
+    smaller = [less for trial, less in wanted if less != trial]
     if smaller:
         progress(f"trying {len(smaller)} again, as large as what is left")
     return [suspect for _, suspect, _ in [*looked, *seen(smaller)]]
