@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
 from identification.outcome import effect_estimates, rig_estimates
 from models.effects import Effect
@@ -14,6 +15,7 @@ from models.errors import InputError
 from models.record import Record
 from models.rig import EffectEntry
 from models.rig_file import read_rig
+from models.rig_parts import term
 from testbed.add import Added, add_effect, pattern_of
 from testbed.compare_run import write_comparison
 from testbed.history import Model, remember
@@ -70,7 +72,19 @@ def check_effect(rig_path: Path, kind: str, settings: Mapping[str, Any]) -> None
     Raises:
         InputError: a rig file with errors, or an effect that does not fit the rig.
     """
-    pattern_of(read_rig(rig_path), EffectEntry(kind=kind, **settings))
+    pattern_of(read_rig(rig_path), _entry(kind, settings))
+
+
+def _entry(kind: str, settings: Mapping[str, Any]) -> EffectEntry:
+    """An effect as a rig file's table would name it."""
+    try:
+        return EffectEntry(kind=kind, **settings)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        key = str(first["loc"][0])
+        words = term(EffectEntry, key)
+        given = f"new effect.{key} = {first['input']} {words.unit}".rstrip()
+        raise InputError(given, words.rule, words.mend) from None
 
 
 def run_add(
@@ -96,7 +110,7 @@ def run_add(
     if len(timed) < len(inputs.records):
         names = ", ".join(r.name for r in inputs.records if not isinstance(r, Record))
         raise InputError(f"--fit {names}", "an effect is fitted to time records", "name time records only")
-    added = add_effect(inputs.rig, EffectEntry(kind=kind, **settings), timed, seed=seed, jobs=jobs)
+    added = add_effect(inputs.rig, _entry(kind, settings), timed, seed=seed, jobs=jobs)
     given, updated = added.comparison_before.score, added.comparison_after.score
     assert given is not None
     assert updated is not None
