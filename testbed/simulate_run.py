@@ -193,7 +193,7 @@ def _row(run: Run, motion: Motion, plant: Plant) -> Json:
 def _truth(laboratory: Laboratory, experiment: Experiment, order: Order) -> tomlkit.TOMLDocument:
     """What was really tested, for whoever wants to see how close a diagnosis came."""
     document = tomlkit.document()
-    document.add(tomlkit.comment("What these records were made with. No command but this one's author reads it."))
+    document.add(tomlkit.comment("What these records were made with; no command reads this file."))
     document.add("simulator", tomlkit.item(order.simulator))
     document.add("seed", tomlkit.item(experiment.seed))
     if order.resolution.spatial:

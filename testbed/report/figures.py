@@ -162,8 +162,8 @@ def _map_picture(
     return picture(
         figure,
         f"Error maps of {before.record}",
-        f"{before.record}, {level}: error of each sensor by frequency band and over time. Pale cells on the left: "
-        "the noise explains them.",
+        f"{before.record}, {level}: error of each sensor by frequency band and over time. Grey cells on the left: "
+        "the noise explains them. Over time, on the right, the noise is in it.",
     )
 
 
