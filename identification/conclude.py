@@ -42,7 +42,7 @@ def one_set_of_numbers(session: Session, calibrated: Fit, verdict: Verdict) -> t
         session.decide(f"the calibrated numbers were not held against each other: {lost}")
         return ()
     for each in found if verdict != "complete" else ():
-        session.decide(f"calibrated model: {each.words}")
+        session.decide(each.told)
     return found
 
 

@@ -225,7 +225,7 @@ def _along_valleys(evaluator: Evaluator, state: _State, unknowns: tuple[Unknown,
     without slope in the others. Source: C. G. Broyden, Math. Comput. 19 (1965) 577, eq. 4.5; where slopes are known to
     be 0, L. K. Schubert, Math. Comput. 24 (1970) 27.
     """
-    records = list(_alone_in(evaluator, unknowns))
+    records = list(_by_record(evaluator, unknowns))
     for _ in range(VALLEY_ROUNDS):
         norms = np.linalg.norm(rows, axis=1)
         told = np.flatnonzero(norms > 0.0)
@@ -236,22 +236,22 @@ def _along_valleys(evaluator: Evaluator, state: _State, unknowns: tuple[Unknown,
         weak = np.flatnonzero(size < NEARLY_CANCELLED**2)
         if not len(weak):
             return
-        seen: dict[int, FloatArray] = {}
+        slope_of: dict[int, FloatArray] = {}
         for k in weak.tolist():
             along = np.zeros(len(unknowns))
             along[told] = directions[:, k] / norms[told]
             slope = _slope_along(evaluator, state, unknowns, along, float(np.sqrt(max(size[k], 0.0))))
             if slope is not None:
-                seen[k] = slope
-        if not seen:
+                slope_of[k] = slope
+        if not slope_of:
             return
-        valleys, slopes = directions[:, list(seen)], np.stack(list(seen.values()))
+        valleys, slopes = directions[:, list(slope_of)], np.stack(list(slope_of.values()))
         for acts, data in records:
             unit[:, data] += _least_change(valleys, acts[told], slopes[:, data] - valleys.T @ unit[:, data])
         rows[told] = unit * norms[told, None]
 
 
-def _alone_in(evaluator: Evaluator, unknowns: tuple[Unknown, ...]) -> Iterator[tuple[BoolArray, slice]]:
+def _by_record(evaluator: Evaluator, unknowns: tuple[Unknown, ...]) -> Iterator[tuple[BoolArray, slice]]:
     """For each record, (n_unknowns,) which unknowns act in it, and where its numbers are in the residual."""
     start = 0
     for target in evaluator.targets:

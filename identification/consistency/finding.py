@@ -34,6 +34,11 @@ class CalibrationFinding:
     sigma: float
     words: str
 
+    @property
+    def told(self) -> str:
+        """The finding among others that are not of the calibrated model."""
+        return f"calibrated model: {self.words}"
+
 
 def sigmas_of(chi2: float, degrees: int, known_by: float = inf) -> float:
     """How many standard deviations a normal number would have to be off to be as improbable, to either side.

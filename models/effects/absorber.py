@@ -65,8 +65,9 @@ class Absorber(Effect):
 
 
 def _filled(natural_freqs: Sequence[float]) -> Iterator[float]:
-    """Half of the first frequency, Hz, then the frequencies and as many between them as leave no wide gap.
+    """Half of the first frequency, Hz, then the frequencies and some between them.
 
+    As many as leave no gap wider than half an octave, in ``MOST_STEPS`` from one to the next at most.
     A structure that nothing holds, or that is about to buckle, has modes at next to no frequency; they are left out.
     """
     held = [freq for freq in natural_freqs if freq > SLOWEST * natural_freqs[-1]]

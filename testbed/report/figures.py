@@ -163,7 +163,7 @@ def _map_picture(
         figure,
         f"Error maps of {before.record}",
         f"{before.record}, {level}: error of each sensor by frequency band and over time. Grey cells on the left: "
-        "the noise explains them. Over time, on the right, the noise is in it.",
+        "the noise explains them. Over time, on the right, the error holds the noise too.",
     )
 
 
