@@ -22,10 +22,6 @@ MOST_RIVALS = 5
 """Kinds tried in an effect's place, the best of its round."""
 
 
-ELSEWHERE = ("time", "measurement")
-"""Families of which none is tried only because it could sit there: they act over whole records, or on channels."""
-
-
 @dataclass(frozen=True, eq=False)
 class Exchange:
     """The model after its effects were judged again.
@@ -88,8 +84,7 @@ def _judged_again(session: Session, calibrated: Fit, now: Exchange, index: int) 
     hypothesis, ranked = now.fit.hypothesis, now.rounds[index]
     effect, others = hypothesis.effects[index], (*hypothesis.effects[:index], *hypothesis.effects[index + 1 :])
     rivals = list(_rivals(effect, ranked))
-    structure = hypothesis.rig.structure.kind
-    kinds = {n: k for n, k in session.registry.items() if structure in k.structures and k.family not in ELSEWHERE}
+    kinds = session.kinds_at_a_place(hypothesis.rig)
     beside = " and ".join(other.label() for other in others)
     session.progress(f"{effect.label()} judged again beside {beside}")
     try:
@@ -100,7 +95,7 @@ def _judged_again(session: Session, calibrated: Fit, now: Exchange, index: int) 
         return now
     rounds = [*now.rounds[:index], beside_rows(rows, ranked), *now.rounds[index + 1 :]]
     best = rows[0]
-    if best.effect.kind == effect.kind:
+    if best.effect.kind == effect.kind and best.effect.place.sleeve == effect.place.sleeve:
         return replace(now, rounds=rounds)
     effects = (*others[:index], best.effect, *others[index:])
     last = fit_at(session, calibrated, replace(best.fit.hypothesis, effects=effects), polished=True)

@@ -4,7 +4,7 @@ Whatever explains the records nearly has the rig's numbers nearly right, so othe
 followed only where they come near.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import inf
 
@@ -17,8 +17,7 @@ from identification.in_step import tried_with
 from identification.progress import Progress, silent
 from identification.scene import is_same_place, sleeves_of, valley
 from identification.screen import Suspect, promising, survey
-from identification.simpler import simpler_ones
-from identification.sketch import TOLERANCE, Sketch
+from identification.sketch import TOLERANCE
 from models.effects import Effect, Registry
 
 REFIT_WINDOWS: Windows = ((0.35, 2.0),)
@@ -46,9 +45,8 @@ def judged_beside(
     """
     row = Ranked.of(leader)
     rivals = {effect.kind: effect for effect in (*_seen_there(leader, fitting, base, registry), *known)}
-    return settled_apart(
-        fitting, with_evidence([row, *begun_at_leader(fitting, base, [row], rivals.values())]), progress
-    )
+    rows = with_evidence([row, *begun_at_leader(fitting, base, [row], rivals.values())])
+    return settled_apart(fitting, _with_sleeves(fitting, base, rows), progress)
 
 
 def _seen_there(leader: Fit, fitting: Evaluator, base: Fit, registry: Registry) -> list[Effect]:
@@ -86,14 +84,45 @@ ITERATIONS_AGAINST = 8
 """Of a model that has to come near the noise, which another has reached, to be fitted further."""
 
 
-def simpler_rows(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], sketches: Sequence[Sketch]) -> list[Ranked]:
-    """Laws with fewer numbers than the first, begun where it has come to, if it has reached the noise."""
-    if not ranked or ranked[0].fit.ratio > EXPLAINED:
+def with_others_there(
+    fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], registry: Registry, progress: Progress
+) -> list[Ranked]:
+    """The rows, and what else explains as much where the first of them has come to, by evidence.
+
+    Args:
+        fitting: records of the fits.
+        base: the model without an effect more.
+        ranked: sorted, all refitted.
+        registry: kinds to try there.
+        progress: told what is being done.
+    """
+    rows = with_evidence([*ranked, *_simpler_rows(fitting, base, ranked, registry)])
+    rows = with_evidence([*rows, *_of_the_sleeve(fitting, base, rows, registry)])
+    return settled_apart(fitting, _with_sleeves(fitting, base, rows), progress)
+
+
+def _simpler_rows(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], registry: Registry) -> list[Ranked]:
+    """Laws with fewer numbers than the first, tried where it sits, from the numbers of the rig that it has come to.
+
+    A law with more numbers has more ways down, and may reach what is there at an end of itself (an absorber so stiff
+    that it is a mass, hysteresis that yields at once, which is friction), while the plain law itself was stopped on its
+    way.
+    """
+    if not ranked:
         return []
-    return begun_at_leader(fitting, base, ranked, simpler_ones(ranked[0].effect, sketches))
+    leader = ranked[0].effect
+    sort = "position" if leader.place.sleeve is None else "sleeve"
+    fewer = {name: k for name, k in registry.items() if sort in k.places and _fitted_of(k) < leader.n_numbers}
+    seen = _seen_there(ranked[0].fit, fitting, base, fewer) if fewer else []
+    return begun_at_leader(fitting, base, ranked, (e for e in seen if e.place.sleeve == leader.place.sleeve))
 
 
-def of_the_sleeve(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], registry: Registry) -> list[Ranked]:
+def _fitted_of(kind: type[Effect]) -> int:
+    """How many numbers a fit determines of this kind."""
+    return sum(about.fitted for about in kind.parameters().values())
+
+
+def _of_the_sleeve(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], registry: Registry) -> list[Ranked]:
     """What can sit in a sleeve alone, tried where the first effect's free place has come to one, if it explains all."""
     if not ranked or ranked[0].fit.ratio > EXPLAINED or not free_place(ranked[0].effect):
         return []
@@ -156,19 +185,35 @@ def begun_at_leader(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], eff
     return rows
 
 
-def at_sleeves(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked]) -> list[Ranked]:
-    """The best effects again at a sleeve that their free place has come to, where they have no place to fit."""
-    rows = []
-    for row in ranked:
-        if row.log_evidence < ranked[0].log_evidence - FOR_A_PLACE or not free_place(row.effect):
-            continue
-        rig = row.fit.hypothesis.rig
-        for place in sleeves_of(rig) if "sleeve" in row.effect.places else ():
-            if is_same_place(place, row.effect.place, rig):
-                result = refit(fitting, base, replace(row.effect, place=place), row.fit.hypothesis.values)
-                if result is not None:
-                    rows.append(Ranked.of(result))
+def _with_sleeves(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked]) -> list[Ranked]:
+    """The rows, and the best of them again at a sleeve to which their free place has come, where they have no place.
+
+    A row with a free place is left out where the same law at the sleeve says as much without it: they are one.
+    """
+    fixed = [row for found in ranked for row in _at_its_sleeve(fitting, base, found, ranked[0])]
+    rows: list[Ranked] = []
+    for row in with_evidence([*ranked, *fixed]):
+        if not (free_place(row.effect) and any(_is_one(row, better) for better in rows)):
+            rows.append(row)
     return rows
+
+
+def _at_its_sleeve(fitting: Evaluator, base: Fit, found: Ranked, best: Ranked) -> Iterator[Ranked]:
+    if found.log_evidence < best.log_evidence - FOR_A_PLACE or not free_place(found.effect):
+        return
+    rig = found.fit.hypothesis.rig
+    for place in sleeves_of(rig) if "sleeve" in found.effect.places else ():
+        if is_same_place(place, found.effect.place, rig):
+            result = refit(fitting, base, replace(found.effect, place=place), found.fit.hypothesis.values)
+            if result is not None:
+                yield Ranked.of(result)
+
+
+def _is_one(row: Ranked, better: Ranked) -> bool:
+    """Whether a better row is the same law at the sleeve where this one's free place has come to."""
+    one, other = row.effect, better.effect
+    at_sleeve = other.place.sleeve is not None and is_same_place(one.place, other.place, row.fit.hypothesis.rig)
+    return at_sleeve and one.kind == other.kind and not one.is_variant_of(other)
 
 
 FOR_A_PLACE = 15.0

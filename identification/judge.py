@@ -11,11 +11,9 @@ from identification.in_its_place import (
     EXPLAINED,
     RULED_OUT,
     against,
-    at_sleeves,
-    of_the_sleeve,
     refit,
     settled_apart,
-    simpler_rows,
+    with_others_there,
 )
 from identification.in_step import tried_with
 from identification.look import View, afar, beside
@@ -91,7 +89,7 @@ def finals(
         sketches: of suspects.
         fitting: records to refit on.
         base: the model without an effect more.
-        registry: kinds to try in a sleeve that the first of them has come to.
+        registry: kinds to try where the first of them has come to.
         progress: told what is being done.
         known: refitted before; what is like one of them is not refitted again.
     """
@@ -118,10 +116,7 @@ def finals(
             ranked.append(Ranked.of(result))
             if result.ratio < min(CLOSE_ENOUGH, leader[1].ratio if leader else CLOSE_ENOUGH):
                 leader = (sketch, result)
-    ordered = with_evidence(ranked)
-    ordered = with_evidence([*ordered, *simpler_rows(fitting, base, ordered, by_share(sketches))])
-    ordered = with_evidence([*ordered, *of_the_sleeve(fitting, base, ordered, registry)])
-    ordered = settled_apart(fitting, with_evidence([*ordered, *at_sleeves(fitting, base, ordered)]), progress)
+    ordered = with_others_there(fitting, base, with_evidence(ranked), registry, progress)
     for fit_there, farther in beaten:
         behind = 0.5 * (farther**2 - 1.0) * ordered[0].fit.chi2 / misfit_in_common(ordered)
         evidence = ordered[0].log_evidence - behind

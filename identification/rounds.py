@@ -8,9 +8,11 @@ from identification.evaluate import Evaluator
 from identification.evidence import (
     Ranked,
     reranked,
+    reweighed,
 )
 from identification.faults import suspicion
 from identification.fit import Fit, fit
+from identification.in_its_place import with_others_there
 from identification.judge import judge, restarted
 from identification.look import View
 from identification.prepare import cut_to
@@ -87,7 +89,13 @@ def with_other_starts(session: Session, base: Fit, ranked: list[Ranked]) -> list
     found = ranked[0].fit
     session.progress(f"{ranked[0].effect.label()}: the fit stopped above the noise; trying other places and starts")
     moved = min((found, *elsewhere(session.fitting, base, found, session.registry)), key=lambda each: each.cost)
-    return reranked(ranked, restarted(session.fitting, base, moved))
+    better = restarted(session.fitting, base, moved)
+    rows = reranked(ranked, better)
+    if better is found:
+        return rows
+    refitted = [row for row in rows if row.refitted]
+    kinds = session.kinds_at_a_place(base.hypothesis.rig)
+    return reweighed(rows, with_others_there(session.fitting, base, refitted, kinds, session.progress))
 
 
 def told_apart(session: Session, ranked: list[Ranked]) -> list[Ranked]:

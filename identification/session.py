@@ -16,6 +16,7 @@ from identification.progress import Progress
 from identification.reached import NOISE_REACHED, reaches_noise
 from identification.result import Stage
 from models.effects import Registry
+from models.rig import Rig
 from models.simulate import Settings
 
 LAST_ITERATIONS = 6
@@ -29,6 +30,10 @@ MOST_COARSE = 2.0
 
 COARSEST = 2
 """Steps per sample of the search at least; the model's own choice is finer."""
+
+
+ELSEWHERE = ("time", "measurement")
+"""Families of which none is tried only because it could sit where another does."""
 
 
 @dataclass
@@ -152,6 +157,15 @@ class Session:
         )
         self.fitting = whole
         return True
+
+    def kinds_at_a_place(self, rig: Rig) -> Registry:
+        """Kinds that may stand in another's place: not those that act over whole records, or on channels.
+
+        Args:
+            rig: whose structure they must be able to sit on.
+        """
+        structure = rig.structure.kind
+        return {n: k for n, k in self.registry.items() if structure in k.structures and k.family not in ELSEWHERE}
 
     def searching(self, base: Fit) -> Evaluator:
         """All records at the resolution at which suspects are looked for: what the model misses hides coarser steps.

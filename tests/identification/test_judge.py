@@ -6,19 +6,17 @@ from trial_records import REFERENCE, evaluator_of, fit_of, measured, multisine
 from identification import in_its_place
 from identification import judge as judging
 from identification.evidence import Ranked, log_occam
-from identification.fit import fit
-from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
-from identification.in_its_place import RULED_OUT, of_the_sleeve
+from identification.hypothesis import Hypothesis
+from identification.in_its_place import RULED_OUT
 from identification.judge import LEAST_REFITS, _best, finals, judge
 from identification.look import View
 from identification.sketch import FAR_BEHIND, Sketch
-from models.effects import EFFECTS, Place
+from models.effects import Place
 from models.effects.coulomb_friction import CoulombFriction
 from models.effects.point_damping import PointDamping
 from models.effects.point_mass import PointMass
 from models.effects.point_stiffness import PointStiffness
 from models.effects.sensor_gain import SensorGain
-from models.effects.squeeze_film import SqueezeFilm
 from models.effects.wear import Wear
 
 HERE = Place(position=0.7)
@@ -177,21 +175,3 @@ def test_kinds_in_time_are_looked_at_where_no_other_reaches_the_noise(monkeypatc
     judge(views, None, far, lambda _: None)
 
     assert asked == looked_at
-
-
-@pytest.mark.parametrize("away", [0.01, 0.2])
-def test_a_dashpot_that_came_to_a_sleeve_is_held_against_what_sits_in_it(away):
-    """Grease in a sleeve whose wall is never left is a dashpot; a dashpot elsewhere is asked nothing."""
-    sleeve = REFERENCE.sleeves[1]
-    film = SqueezeFilm(Place(sleeve=sleeve.name, position=sleeve.position), damping=1.0)
-    truth = Hypothesis(REFERENCE, effects=(film,))
-    evaluator, unknowns = evaluator_of(measured(truth, multisine(4096, rms=0.3))), rig_unknowns(REFERENCE)
-    base = fit(evaluator, Hypothesis(REFERENCE), unknowns)
-    dashpot = Hypothesis(REFERENCE, effects=(PointDamping(Place(position=sleeve.position - away), damping=28.0),))
-    there = fit(evaluator, dashpot, (*unknowns, *effect_unknowns(dashpot, places=False)))
-    leader = Ranked(dashpot.effects[-1], there, refitted=True, log_evidence=0.0)
-    rows = of_the_sleeve(evaluator, base, [leader], {kind: EFFECTS[kind] for kind in ("squeeze_film", "point_mass")})
-    assert [(row.effect.kind, row.effect.place.sleeve) for row in rows] == (
-        [("squeeze_film", sleeve.name)] if away < 0.1 else []
-    )
-    assert all(row.fit.ratio < 1.02 for row in rows)

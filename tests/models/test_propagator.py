@@ -131,9 +131,22 @@ def test_rows_read_displacements_and_velocities():
     assert (blocks.velocity(row) @ x)[0] == pytest.approx((row @ state[5:])[0], rel=1e-9)
 
 
-def test_two_modes_that_merge_are_refused():
-    """Two equal oscillators, coupled by a velocity in one direction only, have one eigenvector."""
+def test_a_critically_damped_mode_beside_another_moves_as_it_should():
+    """x = (1 + w t) e^(-w t) from rest at 1; the other is coupled to nothing, but by a matrix that is not diagonal."""
+    w = 40.0
+    damping = np.array([[2.0 * w, 0.0, 0.0], [0.0, 3.0, 1.0], [0.0, 1.0, 4.0]])
+    blocks = to_blocks(np.array([w, 100.0, 300.0]), damping, np.zeros((3, 1)))
+    step, nothing = exact_step(blocks, H), np.zeros(1)
+    state = np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    for _ in range(30):
+        state = stepped(blocks, step, state, nothing, nothing)
+    t = 30 * H
+    assert state[0] == pytest.approx((1.0 + w * t) * np.exp(-w * t), abs=1e-7)
+
+
+def test_a_free_mode_without_damping_among_coupled_ones_is_refused():
+    """It moves in proportion to time, which no eigenvalue does."""
     with pytest.raises(InputError) as caught:
-        to_blocks(np.array([10.0, 10.0]), np.array([[0.0, 1.0], [0.0, 0.0]]), np.ones((2, 1)))
-    assert "two modes merge" in caught.value.given
+        to_blocks(np.array([0.0, 10.0, 20.0]), np.array([[0.0, 0, 0], [0, 1, 0.5], [0, 0.5, 1]]), np.ones((3, 1)))
+    assert "two modes that merge" in caught.value.given
     assert "a part in a million" in caught.value.mend

@@ -1,0 +1,78 @@
+"""What else may stand where the best effect has come to."""
+
+import pytest
+from trial_records import REFERENCE, beam_session, found_with
+
+from identification.evidence import Ranked
+from identification.in_its_place import EXPLAINED, with_others_there
+from models.effects import EFFECTS, Place
+from models.effects.absorber import Absorber
+from models.effects.bouc_wen import BoucWen
+from models.effects.coulomb_friction import CoulombFriction
+from models.effects.point_damping import PointDamping
+from models.effects.point_mass import PointMass
+from models.effects.sensor_gain import SensorGain
+from models.effects.squeeze_film import SqueezeFilm
+
+SLEEVE = REFERENCE.sleeves[1]
+IN_SLEEVE = Place(sleeve=SLEEVE.name, position=SLEEVE.position)
+
+
+def at(position):
+    return Place(position=position)
+
+
+def rows_after(session, leader, *kinds):
+    found = found_with(session, leader)
+    first = Ranked.of(found)
+    rows = with_others_there(
+        session.fitting, found_with(session), [first], {kind: EFFECTS[kind] for kind in kinds}, lambda _: None
+    )
+    return found, rows
+
+
+def test_the_simpler_law_is_fitted_where_the_larger_one_has_come_to_above_the_noise_too():
+    """An absorber so stiff that it is a mass, while a sensor's gain is wrong besides."""
+    session = beam_session(PointMass(at(0.86), mass=0.1), SensorGain(Place(sensor="P4"), gain=0.8))
+    stiff = Absorber(at(0.86), mass=0.1, frequency=2000.0, damping_ratio=0.1)
+
+    found, rows = rows_after(session, stiff, "point_mass", "absorber")
+
+    assert found.ratio > EXPLAINED
+    (mass,) = [row for row in rows if row.effect.kind == "point_mass"]
+    assert mass.refitted
+    assert mass.effect.mass == pytest.approx(0.1, rel=0.3)  # beside a gain that nothing explains
+
+
+def test_hysteresis_that_yields_at_once_is_friction_and_at_a_sleeve_the_sleeves_own():
+    session = beam_session(CoulombFriction(IN_SLEEVE, friction_force=0.3, slip_velocity=2e-3))
+    kinds = ("coulomb_friction", "point_damping", "point_mass", "bouc_wen")
+
+    found, rows = rows_after(session, BoucWen(at(SLEEVE.position), 0.3, 1e-9, 1.0), *kinds)
+
+    assert rows[0].effect.label() == f"coulomb_friction against base at {SLEEVE.name}"
+    assert rows[0].effect.friction_force == pytest.approx(0.3, rel=0.05)
+    assert rows[0].fit.ratio < found.ratio
+    assert [row.effect.kind for row in rows].count("coulomb_friction") == 1
+
+
+def test_a_law_beside_a_sleeve_keeps_its_place_where_the_records_tell_it():
+    place = at(SLEEVE.position + 0.025)
+    session = beam_session(CoulombFriction(place, friction_force=0.5, slip_velocity=2e-3), n=4096)
+
+    _, rows = rows_after(session, CoulombFriction(place, friction_force=0.5, slip_velocity=2e-3))
+
+    assert rows[0].effect.place.sleeve is None
+    assert rows[0].effect.place.position == pytest.approx(place.position, abs=5e-3)
+    assert [row.effect.place.sleeve for row in rows[1:]] == [SLEEVE.name]
+
+
+@pytest.mark.parametrize("away", [0.01, 0.2])
+def test_a_dashpot_that_came_to_a_sleeve_is_held_against_what_sits_in_it(away):
+    """Grease in a sleeve whose wall is never left is a dashpot; a dashpot elsewhere is asked nothing."""
+    session = beam_session(SqueezeFilm(IN_SLEEVE, damping=1.0), n=4096, rms=0.3)
+
+    _, rows = rows_after(session, PointDamping(at(SLEEVE.position - away), damping=28.0), "squeeze_film", "point_mass")
+
+    found = [(row.effect.kind, row.effect.place.sleeve) for row in rows]
+    assert (("squeeze_film", SLEEVE.name) in found) == (away < 0.1)
