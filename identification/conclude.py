@@ -28,7 +28,7 @@ from identification.outcome import AT_REST_ONLY, added_effects, candidates_of, g
 from identification.prepare import prepare
 from identification.result import Diagnosis, Score, Stage, Verdict
 from identification.session import Session
-from identification.unstrained import unstrained
+from identification.unstrained import moved_back, unstrained
 from models.record import AnyRecord
 from models.simulate import Settings, Trace
 
@@ -56,9 +56,7 @@ def settled(session: Session, final: Fit) -> Fit:
     ended = session.to_the_end(final)
     last = unstrained(session.all_predicted, ended)
     if last is not ended:
-        session.decide(
-            "numbers beyond their tolerances are back within: the records are as well explained with them there"
-        )
+        session.decide(moved_back(ended, last))
     return corrected(session.all_predicted, last, np.random.default_rng(session.seed))
 
 

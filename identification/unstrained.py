@@ -36,3 +36,19 @@ def unstrained(evaluator: Evaluator, found: Fit) -> Fit:
         return found
     unit = misfit_of(found)
     return min((found, again), key=lambda one: one.chi2 / unit + one.penalty)
+
+
+def moved_back(found: Fit, back: Fit) -> str:
+    """Where the numbers are now that were far from what their owner says, in words.
+
+    Args:
+        found: a fit.
+        back: from where its far numbers are as given (``unstrained``), with the same unknowns.
+    """
+    before, after = (coordinates(each.hypothesis, each.unknowns) for each in (found, back))
+    moves = [
+        f"{unknown.parameter.label} at {now:+.1f} standard deviations instead of {then:+.1f}"
+        for unknown, then, now in zip(found.unknowns, before, after, strict=True)
+        if isinstance(unknown, RigUnknown) and abs(then) > FAR
+    ]
+    return f"the records are as well explained with other numbers, nearer to what their owner says: {', '.join(moves)}"

@@ -57,7 +57,10 @@ def diagnosis_json(diagnosis: Diagnosis) -> Json:
         "effects": [_added(added) for added in diagnosis.added],
         "candidates": [_candidate(candidate) for candidate in diagnosis.candidates],
         "indistinguishable": [[identity(effect) for effect in group] for group in diagnosis.indistinguishable],
-        "error": [{"model": stage.label, "nrmse": stage.score.nrmse} for stage in diagnosis.stages],
+        "error": [
+            {"model": stage.label, "nrmse": stage.score.nrmse, "noise_nrmse": stage.score.noise_nrmse}
+            for stage in diagnosis.stages
+        ],
         "holdout": _holdout(diagnosis.holdout),
         "where": _where(diagnosis),
         "next_experiment": proposal_json(diagnosis.next_experiment),

@@ -297,6 +297,10 @@ def _force_in(run: BesideRun, last: _Profile, record: int, way: int) -> PlacedFo
     return PlacedForce(run.record.name, run.record.fs, motion[0], motion[1], force, last.weighed.told[record][:, way])
 
 
+LEAST_SHARE = 0.05
+"""Of the misfit beyond the noise, below which a force at a place explains nothing of it."""
+
+
 def _in_words(found: Located) -> str:
     over = f"{found.left:.2g} times the noise is left of {found.nothing:.2g}"
     if found.sensor is not None:
@@ -306,6 +310,11 @@ def _in_words(found: Located) -> str:
     assert found.interval is not None
     at = f"{found.place:.4f} m from the clamp ({found.interval[0]:.4f} to {found.interval[1]:.4f} m)"
     at = f"{found.sleeve}, {at}" if found.sleeve else at
+    if found.share < LEAST_SHARE:
+        return (
+            "no place explains it: free in time, one force at the likeliest, "
+            f"{at}, leaves {found.left:.2g} times the noise where {found.nothing:.2g} were"
+        )
     if found.enough:
         return f"one force at {at} explains {found.share:.0%} of the misfit beyond the noise: {over}"
     return (

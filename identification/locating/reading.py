@@ -58,6 +58,11 @@ class Facts:
     power: float
     courses: Mapping[str, Course]
 
+    @property
+    def predicted(self) -> float:
+        """Share that the best of all functions predicts."""
+        return max(self.together, self.surface, self.growing)
+
 
 def is_worth(now: float, more: float) -> bool:
     """Whether what predicts more is worth telling.
@@ -84,15 +89,11 @@ def reading(facts: Facts) -> tuple[str, ...]:
             "where the resistance to motion depends on where the beam is"
         )
     if is_worth(facts.together, facts.growing):
-        way = "grows" if facts.trend > 1.0 else "falls"
+        words.append(f"at the same motion it {_trend(facts.trend)}")
+    if facts.predicted < WHOLE:
         words.append(
-            f"at the same motion it {way} through the record, {facts.trend:.2g} times its size at the beginning"
-        )
-    best = max(facts.together, facts.surface, facts.growing)
-    if best < WHOLE:
-        words.append(
-            f"{1.0 - best:.0%} of it is no function of the motion at the same moment: it remembers what was before, "
-            "acts elsewhere besides, or is not told from noise"
+            f"{1.0 - facts.predicted:.0%} of it is no function of the motion at the same moment: it remembers what was "
+            "before, acts elsewhere besides, or is not told from noise"
         )
     if np.isfinite(facts.power) and facts.together >= TELLING:
         words.append(f"its size grows as that of the {facts.chosen[0]} to the power of {facts.power:.1f}")
@@ -102,6 +103,20 @@ def reading(facts: Facts) -> tuple[str, ...]:
 TELLING = 0.2
 """Share predicted, below which a course says nothing."""
 
+TOLD = 0.5
+"""Share predicted, below which the quantity that predicts most need not be the one that acts."""
+
+
+def _trend(factor: float) -> str:
+    """What a force does through the record, from how many times as large it ends."""
+    if abs(factor - 1.0) < STEADY:
+        return "is not of one size through the record, but ends as large as it began"
+    return f"{'grows' if factor > 1.0 else 'falls'} through the record, to {factor:.2g} times its size at the beginning"
+
+
+STEADY = 0.05
+"""Growth over a record that is none."""
+
 
 def _follows(facts: Facts) -> str:
     chosen, explained = facts.chosen, facts.explained
@@ -109,6 +124,9 @@ def _follows(facts: Facts) -> str:
         return (
             f"it follows neither displacement nor velocity nor acceleration at the same moment ({facts.together:.0%})"
         )
+    if facts.predicted < TOLD:
+        most = " and the ".join(chosen)
+        return f"what it follows is hardly told: most nearly the {most}, which predicts {facts.together:.0%} of it"
     alone = [name for name in UNITS if name not in chosen]
     alike = [name for name in alone if explained[chosen[0]] - explained[name] < ALIKE] if len(chosen) == 1 else []
     if alike:

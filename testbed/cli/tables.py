@@ -80,7 +80,8 @@ def print_diagnosis(content: Mapping[str, Any]) -> None:
     Args:
         content: as written.
     """
-    print_table(("model", "NRMSE"), [(row["model"], row["nrmse"]) for row in content["error"]], "error")
+    rows = [(row["model"], row["nrmse"], row["noise_nrmse"]) for row in content["error"]]
+    print_table(("model", "NRMSE", "noise alone"), rows, "error")
     if content["holdout"]:
         rows = [("noise" if label == "noise_nrmse" else label, error) for label, error in content["holdout"].items()]
         print_table(("kept aside", "NRMSE"), rows)
@@ -93,7 +94,7 @@ def print_diagnosis(content: Mapping[str, Any]) -> None:
         print_table(("added", "probability", "parameter", "value", "unit"), effects)
     judged = [(named(row), chance_of(row["probability"]), row["nrmse"]) for row in content["candidates"][:5]]
     if judged:
-        print_table(("candidate", "probability", "NRMSE"), judged)
+        print_table(("candidate", "probability", "NRMSE"), judged, "first round, each beside the calibrated rig")
     for group in content["indistinguishable"]:
         say(f"cannot be told apart: {', '.join(named(effect) for effect in group)}")
     for finding in content["where"].get("findings", ()):

@@ -69,6 +69,12 @@ def plot_channels(ax: Axes, sensors: tuple[str, ...], explained: FloatArray) -> 
     ax.set_ylim(len(sensors) - 0.4, -0.6)
     ax.set_xlim(0.0, 100.0)
     ax.set_xlabel("one channel left out [%]")
+    if explained.max(initial=0.0) < SEEN:
+        ax.text(50.0, 0.5 * (len(sensors) - 1), "none explains\n1 %", ha="center", va="center", color="#666666")
+
+
+SEEN = 0.01
+"""Share that shows as a bar."""
 
 
 def plot_curve(

@@ -1,6 +1,7 @@
 """The figures of a report, from the finished values of a diagnosis."""
 
 from collections.abc import Sequence
+from textwrap import wrap
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -56,7 +57,7 @@ def error_steps(diagnosis: Diagnosis) -> Picture:
     stages = diagnosis.stages
     figure = Figure(figsize=(WIDTH, 3.6), layout="constrained")
     ax = figure.subplots()
-    labels = [_wrapped(stage.label) for stage in stages]
+    labels = [_wrapped(stage.label, len(stages)) for stage in stages]
     errors = np.array([stage.score.nrmse for stage in stages])
     noise = diagnosis.final.score.noise_nrmse
     plot_error_steps(ax, labels, errors, noise, [COLOURS[stage_kind(diagnosis, stage)] for stage in stages])
@@ -71,8 +72,15 @@ def error_steps(diagnosis: Diagnosis) -> Picture:
     return picture(figure, f"Error by model: {alt}", "The error from model to model, against the noise floor.", "svg")
 
 
-def _wrapped(label: str) -> str:
-    return label.replace(" at ", "\nat ").replace(" on ", "\non ")
+def _wrapped(label: str, n: int) -> str:
+    """A label as wide as one of ``n`` may be, lines broken before a place if that is enough."""
+    width = max(SHORTEST_LABEL, LABELS_WIDE // n)
+    broken = label.replace(" at ", "\nat ").replace(" on ", "\non ").splitlines()
+    return "\n".join(line for part in broken for line in wrap(part, width))
+
+
+LABELS_WIDE, SHORTEST_LABEL = 100, 11
+"""Letters of all labels side by side; of one, where there are many."""
 
 
 def frf_pictures(diagnosis: Diagnosis, rig: Rig) -> list[Picture]:
@@ -193,7 +201,8 @@ def place_picture(diagnosis: Diagnosis, rig: Rig) -> Picture | None:
         np.array([channel.explained for channel in found.channels]),
     )
     if found.shape is not None:
-        _draw_shape(lower[0].subplots(1, len(PANELS)), found.shape)
+        panels = _panels_of(found.shape)
+        _draw_shape(lower[0].subplots(1, len(panels)), panels, found.shape)
     return picture(
         figure,
         f"Place of the missing force: {found.words}",
@@ -203,18 +212,27 @@ def place_picture(diagnosis: Diagnosis, rig: Rig) -> Picture | None:
     )
 
 
-PANELS = (
+Panel = tuple[str, float, str]
+"""Quantity, factor to the shown unit, and label."""
+
+MOTION: tuple[Panel, ...] = (
     ("displacement", 1e3, "displacement [mm]"),
     ("velocity", 1e3, "velocity [mm/s]"),
-    ("time", 1.0, "time [s]"),
-    ("amplitude", 1e3, "amplitude [mm]"),
+    ("acceleration", 1.0, "acceleration [m/s$^2$]"),
 )
-"""Quantity, factor to the shown unit, and label, of the panels of a force's shape."""
+SIZES: tuple[Panel, ...] = (("time", 1.0, "time [s]"), ("amplitude", 1e3, "amplitude [mm]"))
 
 
-def _draw_shape(axes: Sequence[Axes], shape: Shape) -> None:
+def _panels_of(shape: Shape) -> tuple[Panel, ...]:
+    """Displacement and velocity, acceleration where it predicts the force best, and the force's sizes."""
+    explained = dict(shape.explained)
+    best = max((name for name, _, _ in MOTION if name in explained), key=lambda name: explained[name])
+    return (*MOTION[: 3 if best == "acceleration" else 2], *SIZES)
+
+
+def _draw_shape(axes: Sequence[Axes], panels: Sequence[Panel], shape: Shape) -> None:
     curves, kept = {curve.of: curve for curve in shape.curves}, DOTS // (4 * len(shape.samples))
-    for ax, (name, scale, label) in zip(axes, PANELS, strict=True):
+    for ax, (name, scale, label) in zip(axes, panels, strict=True):
         curve, dots = curves[name], None
         if name in ("displacement", "velocity"):
             thinned = [(s.q if name == "displacement" else s.v, s.force) for s in shape.samples]
@@ -223,8 +241,8 @@ def _draw_shape(axes: Sequence[Axes], shape: Shape) -> None:
         middle = shape.middle if name == "displacement" else 0.0
         plot_curve(ax, dots, (scale * (curve.x + middle), curve.mean, curve.error), label)
     axes[0].set_ylabel("force [N]")
-    axes[2].set_title("its mean size", loc="left")
-    axes[3].set_title("its mean size", loc="left")
+    for ax in axes[-len(SIZES) :]:
+        ax.set_title("its mean size", loc="left")
 
 
 def force_pictures(diagnosis: Diagnosis, rig: Rig) -> list[Picture]:

@@ -4,7 +4,8 @@ from math import floor, isfinite, log10
 
 import numpy as np
 
-from identification.result import Diagnosis, Estimate, Stage
+from identification.reached import ERROR_REACHED
+from identification.result import Diagnosis, Estimate, Score, Stage
 
 COUNTS = ("no effect", "one effect", "two effects", "three effects", "four effects", "five effects")
 
@@ -88,13 +89,21 @@ def headline(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict == "missing_effect":
         named = " and ".join(added.effect.label() for added in diagnosis.added)
         count = COUNTS[len(diagnosis.added)] if len(diagnosis.added) < len(COUNTS) else "several effects"
-        return f"The given model lacks {count}, {named}: with it {fall}, and {floor_is}."
+        with_it = "it" if len(diagnosis.added) == 1 else "them"
+        return f"The given model lacks {count}, {named}: with {with_it} {fall}, and {floor_is}{_more(last)}."
     if diagnosis.verdict == "complete":
         return f"These records show nothing missing: calibrated within its tolerances, {fall}, and {floor_is}."
     return (
         f"Something is missing that no effect of the library explains: the best model still errs by "
         f"{percent(last.nrmse)} (as given {percent(first.nrmse)}), while {floor_is}."
     )
+
+
+def _more(last: Score) -> str:
+    """That something is left beyond the noise, where it is."""
+    if last.noise_nrmse <= 0.0 or last.nrmse <= ERROR_REACHED * last.noise_nrmse:
+        return ""
+    return f"; what is left, {last.nrmse / last.noise_nrmse:.2g} times the noise, nothing in the library explains"
 
 
 def second_line(diagnosis: Diagnosis) -> str:

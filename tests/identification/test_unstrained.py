@@ -10,7 +10,7 @@ import identification.unstrained as room
 from identification.evidence import misfit_of
 from identification.fit import Fit
 from identification.hypothesis import Hypothesis, coordinates, effect_unknowns, rig_unknowns
-from identification.unstrained import FAR, unstrained
+from identification.unstrained import FAR, moved_back, unstrained
 from models.effects import Place
 from models.effects.gap_offset import GapOffset
 
@@ -75,3 +75,9 @@ def test_a_calibration_without_effects_is_left_as_it_is(fitted):
     bare = replace(bare, hypothesis=replace(bare.hypothesis, effects=()))
     assert unstrained(None, replace(bare, unknowns=UNKNOWNS[:LAST], covariance=np.eye(LAST))) is not None
     assert begun == []
+
+
+def test_it_is_told_where_each_far_number_is_now():
+    words = moved_back(found(-3.0), found(-2.5))
+
+    assert words.endswith("clearance of sleeve 1 at -2.5 standard deviations instead of -3.0")

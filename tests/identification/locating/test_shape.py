@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from identification.locating.courses import Course
 from identification.locating.located import PlacedForce
+from identification.locating.reading import Facts, reading
 from identification.locating.shape import shape_of
 
 FS, N = 2048.0, 8192
@@ -96,7 +98,7 @@ def test_a_force_that_grows_through_the_record():
     found = shape(lambda q, v, t: -1e3 * q * (1.0 + 2.0 * t))
 
     grows = next(text for text in found.words if text.startswith("at the same motion it grows"))
-    assert float(grows.split(", ")[1].split()[0]) == pytest.approx(3.0, rel=0.1)
+    assert float(grows.split(", to ")[1].split()[0]) == pytest.approx(3.0, rel=0.1)
 
 
 def test_memory_is_told():
@@ -113,3 +115,31 @@ def test_no_shape_where_no_force_is_told():
     nothing = PlacedForce("test", FS, q, v, np.zeros(N), np.zeros(int(0.35 * N)))
 
     assert shape_of([nothing]) is None
+
+
+def facts(**changes):
+    shares = {"displacement": 0.2, "velocity": 0.3, "acceleration": 0.35}
+    told = {"chosen": ("acceleration",), "together": 0.35, "surface": 0.3, "growing": 0.35, "trend": 1.0}
+    return Facts(explained=shares, power=np.nan, courses={"acceleration": COURSE}, **{**told, **changes})
+
+
+COURSE = Course("linear", 0.0, "odd", against=True)
+
+
+def test_what_predicts_most_but_not_half_is_not_called_what_the_force_follows():
+    assert reading(facts())[0] == (
+        "what it follows is hardly told: most nearly the acceleration, which predicts 35% of it"
+    )
+    assert reading(facts(surface=0.6))[0].startswith("it follows the acceleration (35%)")
+
+
+@pytest.mark.parametrize(
+    ("trend", "words"),
+    [
+        (1.0, "is not of one size through the record, but ends as large as it began"),
+        (2.5, "grows through the record, to 2.5 times its size at the beginning"),
+        (0.4, "falls through the record, to 0.4 times its size at the beginning"),
+    ],
+)
+def test_growth_is_told_by_what_it_comes_to(trend, words):
+    assert f"at the same motion it {words}" in reading(facts(growing=0.9, trend=trend))
