@@ -80,8 +80,8 @@ def print_diagnosis(content: Mapping[str, Any]) -> None:
     Args:
         content: as written.
     """
-    rows = [(row["model"], row["nrmse"], row["noise_nrmse"]) for row in content["error"]]
-    print_table(("model", "NRMSE", "noise alone"), rows, "error")
+    errors = [(row["model"], row["nrmse"], row["noise_nrmse"]) for row in content["error"]]
+    print_table(("model", "NRMSE", "noise alone"), errors, "error")
     if content["holdout"]:
         rows = [("noise" if label == "noise_nrmse" else label, error) for label, error in content["holdout"].items()]
         print_table(("kept aside", "NRMSE"), rows)
