@@ -22,10 +22,12 @@ from identification.in_all_sleeves import fallen_apart, in_all_sleeves
 from identification.outcome import AT_REST_ONLY
 from identification.prepare import cut_to, horizons, prepare
 from identification.progress import Progress, silent
+from identification.reached import NOISE_REACHED
 from identification.relearning import everything_again, fitted_again, relearn, reweigh
 from identification.result import Diagnosis, Stage, Verdict
 from identification.rounds import look_round, told_apart, with_other_starts
 from identification.session import Session
+from identification.sight import beginnings_of, explained_beginning, is_shortened, refitted_from
 from models.effects import EFFECTS, Registry
 from models.record import AnyRecord
 from models.rig import Rig
@@ -77,8 +79,7 @@ def diagnose(
     session = _open(given, kinds, records, seed, jobs, progress)
     started = with_starts(session.everything, given)
     stages = [session.stage("as given", started)]
-    base = calibrate(session.fitting, started, unknowns_of(given, session.fitting))
-    base = relearn(session, session.resolve(base))
+    base = _calibrated(session, started)
     session.decide(_calibration_in_words(base))
     stages.append(session.stage("calibrated", base.hypothesis))
     _carry(session, base.hypothesis, seed)
@@ -90,6 +91,11 @@ def diagnose(
         if len(chain[-1].hypothesis.effects) >= most_effects or is_enough(session, chain[-1]):
             break
         ranked, better = look_round(session, chain[-1])
+        beginnings = beginnings_of(session, ranked)
+        if is_shortened(session, beginnings):
+            chain, (*rounds, ranked) = everything_again(session, chain, [*rounds, ranked])
+            better = None
+        ranked = refitted_from(session, beginnings, ranked)
         if better is not None and not chain[-1].hypothesis.effects:
             session.decide(f"a better calibration was found on the way: residual {better.ratio:.2f} times the noise")
             learnt = relearn(session, better)
@@ -112,6 +118,19 @@ def diagnose(
     calibration = one_set_of_numbers(session, chain[0], verdict)
     found = concluded(session, given, stages, rounds, verdict, final, last, holdout, seed, began)
     return replace(found, calibration=calibration, findings=(*found.findings, *(each.told for each in calibration)))
+
+
+def _calibrated(session: Session, started: Hypothesis) -> Fit:
+    """The rig's numbers fitted to as much of the records as the model that explains their beginning predicts."""
+    while True:
+        unknowns = unknowns_of(started, session.fitting)
+        base = calibrate(session.fitting, started, unknowns)
+        first = explained_beginning(session.fitting, started, unknowns) if base.ratio > NOISE_REACHED else None
+        if first is not None:
+            base = min(base, calibrate(session.fitting, first.hypothesis, unknowns, ()), key=lambda each: each.cost)
+        base = relearn(session, session.resolve(base))
+        if base.ratio <= NOISE_REACHED or first is None or not is_shortened(session, [first]):
+            return base
 
 
 def _revised(

@@ -1,5 +1,6 @@
 """What one diagnosis works with: records, noise and resolution, which get finer as the model gets better."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
 
@@ -27,6 +28,9 @@ SEARCH_SHARE = 0.25
 
 MOST_COARSE = 2.0
 """Times the noise, up to where that share is taken: suspects that come near the noise must still be told apart."""
+
+CLEARLY_LESS = 0.8
+"""Share of the seconds that were fitted of a record, below which a fit of what is predicted is another one."""
 
 COARSEST = 2
 """Steps per sample of the search at least; the model's own choice is finer."""
@@ -129,7 +133,25 @@ class Session:
         Past that the residual follows no slope: a fit ends in one of many pits there, and calls its walls an interval.
         What was fitted already was followed: where a joint sticks, motions part and meet again.
         """
-        followed = {target.record.name: target.record.duration for target in self.fitting.timed}
+        self._limit(hypothesis, {target.record.name: target.record.duration for target in self.fitting.timed})
+
+    def shortened_by(self, hypothesis: Hypothesis) -> bool:
+        """Fit no more of the records from now on than this model predicts; whether that is clearly less.
+
+        Args:
+            hypothesis: that explains the beginning and, fitted, no more.
+        """
+        before = {target.record.name: target.record.duration for target in self.fitting.timed}
+        self._limit(hypothesis, {})
+        shorter = cut_to(self.everything, sum(before.values()), self.limits)
+        now = {target.record.name: target.record.duration for target in shorter.timed}
+        if all(now[name] > CLEARLY_LESS * seconds for name, seconds in before.items()):
+            return False
+        self.fitting = shorter
+        return True
+
+    def _limit(self, hypothesis: Hypothesis, followed: Mapping[str, float]) -> None:
+        """Shorten what is used of the records to what a model predicts, but for the seconds that were followed."""
         found = horizons(self.everything, hypothesis)
         for index, (old, new) in enumerate(zip(self.limits, found, strict=True)):
             seen = replace(new, seconds=max(new.seconds, followed.get(new.record, 0.0)))

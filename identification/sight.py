@@ -1,0 +1,113 @@
+"""The longest beginning of the records that a model explains, and how much of them it predicts.
+
+Where sleeves are struck hard the misfit has many valleys, and half a second is too long for a first fit. On a tenth of
+a second there is one, and from its bottom the beginning is lengthened for as long as the noise is reached. The given
+numbers may also leave a sleeve alone that the true ones strike: then the given motion is calm, the true one is not, and
+whole records are explained by nothing. By what explains the beginning it is judged how far neighbouring motions stay
+together.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from identification.calibrate import Windows, beginning
+from identification.evaluate import Evaluator
+from identification.evidence import Ranked, reweighed
+from identification.fit import Fit, fit
+from identification.hypothesis import Hypothesis, Unknown
+from identification.reached import NOISE_REACHED
+from identification.session import Session
+from identification.sketch import is_alike
+
+LENGTHENED: Windows = tuple((0.001 * 2.0**k, 0.1 * 2.0**k) for k in range(7))
+"""Share of the response's energy, and seconds at least, of one beginning after the other."""
+
+
+def explained_beginning(evaluator: Evaluator, start: Hypothesis, unknowns: Sequence[Unknown]) -> Fit | None:
+    """The fit on the longest beginning of time records that reaches the noise, each begun where the one before ended.
+
+    Args:
+        evaluator: records and noise.
+        start: of the first fit.
+        unknowns: what may move.
+
+    Returns:
+        None where the shortest does not reach the noise.
+    """
+    reached = None
+    for window in LENGTHENED if evaluator.timed else ():
+        short = beginning(evaluator, *window)
+        hypothesis = start if reached is None else reached.hypothesis
+        try:
+            now = fit(short, hypothesis, unknowns, tolerance=1e-2, max_iterations=MOST_ITERATIONS)
+        except ArithmeticError:
+            break
+        if now.ratio > NOISE_REACHED:
+            break
+        reached = now
+    return reached
+
+
+MOST_ITERATIONS = 15
+
+
+def beginnings_of(session: Session, ranked: Sequence[Ranked]) -> list[Fit]:
+    """What explains the beginning of the records among suspects of which none explains all that is fitted.
+
+    Args:
+        session: with the records.
+        ranked: sorted.
+    """
+    if not ranked or ranked[0].fit.ratio <= NOISE_REACHED:
+        return []
+    begun = [(row.begun.hypothesis, row.fit.unknowns) for row in ranked if row.begun is not None]
+    starts = [(replace(model, values=values), unknowns) for model, unknowns in begun for values in (model.values, {})]
+    found = (explained_beginning(session.fitting, start, unknowns) for start, unknowns in starts)
+    return [each for each in found if each is not None]
+
+
+def is_shortened(session: Session, beginnings: Sequence[Fit]) -> bool:
+    """Shorten what is fitted to what the model predicts that explains the longest beginning.
+
+    Args:
+        session: with the records; told.
+        beginnings: models that explain one, and no more.
+
+    Returns:
+        whether less is fitted from now on.
+    """
+    longest = max(beginnings, key=lambda each: each.n_data, default=None)
+    if longest is None or longest.n_data < LONG_ENOUGH * session.fitting.n_data:
+        return False
+    return session.shortened_by(longest.hypothesis)
+
+
+LONG_ENOUGH = 0.03
+"""Share of the data from which a beginning tells which numbers are right."""
+
+
+def refitted_from(session: Session, beginnings: Sequence[Fit], ranked: list[Ranked]) -> list[Ranked]:
+    """The ranking with the suspects that explain the longest beginnings refitted from there, as far as these tell.
+
+    Args:
+        session: with the records.
+        beginnings: models with one effect more, each explaining one.
+        ranked: sorted.
+    """
+    told = [each for each in beginnings if each.n_data > LONG_ENOUGH * session.fitting.n_data]
+    chosen: list[Fit] = []
+    for each in sorted(told, key=lambda found: -found.n_data):
+        if len(chosen) < MOST_REFITTED and not any(is_alike(each, other) for other in chosen):
+            chosen.append(each)
+    rows = [row for row in ranked if row.refitted]
+    for each in chosen:
+        try:
+            again = fit(session.fitting, each.hypothesis, each.unknowns, precise=True)
+        except ArithmeticError:
+            continue
+        session.progress(f"{again.hypothesis.effects[-1].label()} explains the beginning; refitted from there")
+        rows.append(Ranked.of(again))
+    return reweighed(ranked, rows)
+
+
+MOST_REFITTED = 3

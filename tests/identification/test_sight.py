@@ -1,0 +1,81 @@
+"""What explains the beginning of records tells how far they can be followed."""
+
+from dataclasses import replace
+
+import pytest
+from trial_records import OSCILLATOR, evaluator_of, measured, moved, multisine, oscillator, rising_session
+
+from identification.evidence import Ranked
+from identification.fit import fit
+from identification.hypothesis import Hypothesis, rig_unknowns
+from identification.prepare import cut_to
+from identification.sight import beginnings_of, explained_beginning, is_shortened
+from models.effects import Place
+from models.effects.cubic_stiffness import CubicStiffness
+from models.effects.end_stop import EndStop
+
+STOP = EndStop(Place(), stiffness=1e7, gap=1e-3)
+UNKNOWNS = rig_unknowns(OSCILLATOR)
+
+
+def test_a_beginning_is_lengthened_from_where_the_shorter_one_has_one_valley():
+    """A spring 26 % off over eighty cycles: no fit of all finds it, a tenth of a second tells it well enough."""
+    far = oscillator(freq=20.0, damping_ratio=0.003, stiffness=0.1)
+    truth = moved(far, -3.0)
+    evaluator = evaluator_of(measured(truth, multisine(8192)))
+    unknowns = rig_unknowns(far)
+    stuck = fit(evaluator, Hypothesis(far), unknowns, precise=True)
+    assert stuck.ratio > 2.0
+
+    found = explained_beginning(evaluator, Hypothesis(far), unknowns)
+
+    assert found.ratio == pytest.approx(1.0, abs=0.15)
+    assert unknowns[0].get(found.hypothesis) == pytest.approx(-3.0, abs=0.05)
+
+
+def test_what_is_missing_from_the_first_moment_has_no_explained_beginning():
+    truth = Hypothesis(OSCILLATOR, effects=(CubicStiffness(Place(), stiffness=1e12),))
+    evaluator = evaluator_of(measured(truth, multisine(4096, rms=200.0)))
+
+    assert explained_beginning(evaluator, Hypothesis(OSCILLATOR), UNKNOWNS) is None
+
+
+def suspect(session, *effects, seconds):
+    """A row as a round leaves it: not fitted to all, begun with what explains so many seconds."""
+    found = fit(session.fitting, Hypothesis(OSCILLATOR, effects=effects), UNKNOWNS, max_iterations=0)
+    short = cut_to(session.everything, seconds, session.limits)
+    begun = fit(short, found.hypothesis, UNKNOWNS, precise=True)
+    return Ranked.of(found, begun=begun) if effects else Ranked(STOP, found, True, 0.0, begun)
+
+
+def test_no_more_is_fitted_than_what_explains_the_beginning_predicts():
+    """Later a stop is struck, and motions part."""
+    session, _ = rising_session(replace(moved(OSCILLATOR, 1.0, -1.0, 0.0), effects=(STOP,)), 4.0)
+    row = suspect(session, STOP, seconds=1.0)
+    assert row.fit.ratio > 2.0
+
+    assert is_shortened(session, beginnings_of(session, [row]))
+
+    (limit,) = session.limits
+    assert limit.seconds < 3.0
+    assert session.fitting.timed[0].record.duration == pytest.approx(limit.seconds, abs=0.01)
+    assert "by the model that explains the beginning" in session.decisions[-1]
+    assert not is_shortened(session, beginnings_of(session, [row]))  # a second time nothing is left to shorten
+
+
+def test_a_calm_record_that_a_model_does_not_explain_is_left_whole():
+    spring = CubicStiffness(Place(), stiffness=2e10)
+    session, _ = rising_session(Hypothesis(OSCILLATOR, effects=(spring,)), 4.0)
+    before, row = session.fitting, suspect(session, seconds=0.5)
+    assert row.fit.ratio > 2.0
+
+    assert max(each.n_data for each in beginnings_of(session, [row])) < 0.5 * row.fit.n_data
+    assert not is_shortened(session, beginnings_of(session, [row]))
+    assert session.fitting is before
+
+
+def test_where_all_is_explained_no_beginning_is_looked_at():
+    session, _ = rising_session(Hypothesis(OSCILLATOR, effects=(STOP,)), 4.0)
+
+    assert beginnings_of(session, [suspect(session, STOP, seconds=1.0)]) == []
+    assert not is_shortened(session, [])
