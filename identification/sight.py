@@ -60,10 +60,19 @@ def beginnings_of(session: Session, ranked: Sequence[Ranked]) -> list[Fit]:
     """
     if not ranked or ranked[0].fit.ratio <= NOISE_REACHED:
         return []
-    begun = [(row.begun.hypothesis, row.fit.unknowns) for row in ranked if row.begun is not None]
-    starts = [(replace(model, values=values), unknowns) for model, unknowns in begun for values in (model.values, {})]
-    found = (explained_beginning(session.fitting, start, unknowns) for start, unknowns in starts)
+    found = (_beginning_of(session, row) for row in ranked)
     return [each for each in found if each is not None]
+
+
+def _beginning_of(session: Session, row: Ranked) -> Fit | None:
+    """From the sketch's numbers, and from the given ones where these have been bent."""
+    if row.begun is None:
+        return None
+    model, unknowns = row.begun.hypothesis, row.fit.unknowns
+    first = explained_beginning(session.fitting, model, unknowns)
+    if first is not None and first.n_data > LONG_ENOUGH * session.fitting.n_data:
+        return first
+    return explained_beginning(session.fitting, replace(model, values={}), unknowns)
 
 
 def is_shortened(session: Session, beginnings: Sequence[Fit]) -> bool:
