@@ -1,5 +1,7 @@
 """The one error a user sees: what was given, what was expected, how to mend it."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Self
 
 
@@ -19,6 +21,22 @@ class InputError(ValueError):
     def __reduce__(self) -> tuple[type[Self], tuple[str, str, str]]:
         """By its three parts, so that it comes whole out of another process."""
         return type(self), (self.given, self.expected, self.mend)
+
+
+@contextmanager
+def in_file(name: str) -> Iterator[None]:
+    """Bad input told with the file in which it stands.
+
+    Args:
+        name: of the file.
+
+    Raises:
+        InputError: raised inside, its place preceded by the file's name.
+    """
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{name}: {error.given}", error.expected, error.mend) from None
 
 
 class DivergenceError(ArithmeticError):

@@ -14,7 +14,7 @@ import tomlkit
 
 from identification.progress import Progress
 from models.effects import entry_of
-from models.errors import InputError
+from models.errors import InputError, in_file
 from models.plant import Plant
 from models.rig import Rig
 from models.rig_file import read_rig
@@ -76,7 +76,8 @@ def run_experiment(order: Order, out: Path, *, jobs: int, progress: Progress, po
         ArithmeticError: the motion left the finite numbers.
     """
     rig, experiment = read_rig(order.rig_path), read_experiment(order.experiment_path)
-    runs, laboratory = runs_of(experiment, rig), laboratory_of(experiment, rig)
+    with in_file(order.experiment_path.name):
+        runs, laboratory = runs_of(experiment, rig), laboratory_of(experiment, rig)
     for run in runs:
         simulator(order.simulator).check(laboratory.plant, order.resolution, run.trial.angle)
         _check_format(run, rig, order.suffix)

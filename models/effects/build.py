@@ -19,18 +19,22 @@ KEYS: Mapping[PlaceKind, tuple[str, ...]] = {
 """What a table gives for each kind of place."""
 
 
-def build_effect(entry: EffectEntry, rig: Rig, registry: Mapping[str, type[Effect]]) -> Effect:
-    """The effect that a rig file's table describes.
+def build_effect(
+    entry: EffectEntry, rig: Rig, registry: Mapping[str, type[Effect]], table: str | None = None
+) -> Effect:
+    """The effect that a file's table describes.
 
     Args:
         entry: the table.
         rig: whose sleeves, sensors and structure it must fit.
         registry: kind -> class.
+        table: what errors call it; by default its place in the rig file.
 
     Raises:
         InputError: an unknown kind, a wrong place, an unknown or missing key, a value outside its bounds.
     """
-    table = f"effects[{rig.effects.index(entry)}]" if entry in rig.effects else "new effect"
+    if table is None:
+        table = f"effects[{rig.effects.index(entry)}]" if entry in rig.effects else "new effect"
     cls = registry.get(entry.kind)
     if cls is None:
         raise InputError(

@@ -27,10 +27,9 @@ def simulator(name: str) -> Simulator:
         InputError: there is none of that name, or its engine is not installed.
     """
     if name not in SIMULATORS:
-        near = get_close_matches(name, SIMULATORS, n=1, cutoff=0.0)[0]
-        raise InputError(
-            f"simulator = {name!r}", f"the simulators are {', '.join(SIMULATORS)}", f"did you mean {near!r}?"
-        )
+        near = get_close_matches(name, SIMULATORS, n=1)
+        mend = f"did you mean {near[0]!r}?" if near else "choose one of them; docs/extending.md says how one is added"
+        raise InputError(f"simulator = {name!r}", f"the simulators are {', '.join(SIMULATORS)}", mend)
     module, owner = SIMULATORS[name]
     try:
         made: Simulator = getattr(import_module(module), owner)()

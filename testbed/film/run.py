@@ -8,7 +8,7 @@ from typing import Any
 from PIL import Image
 
 from identification.progress import Progress
-from models.errors import InputError
+from models.errors import InputError, in_file
 from models.plant import Plant, build_plant
 from models.record import Record
 from models.rig import Beam, Rig
@@ -103,7 +103,8 @@ def _acted(path: Path, rig: Rig, without: Sequence[str]) -> tuple[Plant, Trial, 
     """What moves, what is done to it, and how the film is called."""
     if path.suffix == ".toml":
         experiment = read_experiment(path)
-        run, laboratory = runs_of(experiment, rig)[0], laboratory_of(experiment, rig)
+        with in_file(path.name):
+            run, laboratory = runs_of(experiment, rig)[0], laboratory_of(experiment, rig)
         if run.trial.angle:
             raise InputError(f"{path.name}: excitation.angle", "a film shows the rig's plane", "leave the angle out")
         return laboratory.plant, laboratory.trial_of(run, laboratory.dice_of(0)), run.name

@@ -169,9 +169,24 @@ def read_experiment(path: Path) -> Experiment:
     except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise InputError(f"{path.name}: {error}", "an experiment is a TOML file", "correct it there") from error
     try:
-        return Experiment.model_validate(content)
+        experiment = Experiment.model_validate(content)
     except ValidationError as error:
         raise _fault(error, path.name) from error
+    _check_band(experiment, path.name)
+    return experiment
+
+
+def _check_band(experiment: Experiment, file: str) -> None:
+    """A record holds no frequency beyond half its rate."""
+    highest = 0.5 * experiment.fs
+    for key in ("high", "frequency"):
+        value = getattr(experiment.excitation, key, 0.0)
+        if value > highest:
+            raise InputError(
+                f"{file}: excitation.{key} = {value:g} Hz at fs = {experiment.fs:g} Hz",
+                f"a record at this rate holds frequencies up to {highest:g} Hz",
+                f"lower {key}, or raise fs",
+            )
 
 
 EXCITATIONS: dict[str, type[Part]] = {
@@ -188,9 +203,13 @@ LOOK = "docs/experiments.md lists the keys and their units"
 
 
 def _fault(error: ValidationError, file: str) -> InputError:
-    """The first problem in three parts."""
+    """The first problem in three parts; of a key that takes one number or a list, that of the list if it was given."""
     first = error.errors()[0]
-    keys = [str(key) for key in first["loc"] if key not in EXCITATIONS]
+    if isinstance(first["input"], list):
+        first = max(
+            (each for each in error.errors() if each["loc"][:3] == first["loc"][:3]), key=lambda e: len(e["loc"])
+        )
+    keys = [str(key) for key in first["loc"] if key not in EXCITATIONS and not _is_branch(key)]
     where = f"{file}: {'.'.join(keys)}"
     if first["type"] == "extra_forbidden":
         known = _keys_beside(first["loc"])
@@ -202,7 +221,12 @@ def _fault(error: ValidationError, file: str) -> InputError:
     if first["type"].startswith("union_tag"):
         kind = first.get("ctx", {}).get("tag", "none")
         return InputError(f"{where}.kind = {kind}", f"a kind is one of {', '.join(EXCITATIONS)}", "choose one of them")
-    return InputError(f"{where} = {first['input']!r}", first["msg"][0].lower() + first["msg"][1:], LOOK)
+    return InputError(f"{where} = {first['input']!r}", first["msg"].replace("Input should", "it should"), LOOK)
+
+
+def _is_branch(key: str | int) -> bool:
+    """Whether a part of a place is the validator's name for one of several types, as ``constrained-float``."""
+    return isinstance(key, str) and key.startswith(("constrained-", "tuple["))
 
 
 def _keys_beside(place: tuple[Any, ...]) -> list[str]:

@@ -78,7 +78,8 @@ def laboratory_of(experiment: Experiment, rig: Rig) -> Laboratory:
         s if s.position is None else s.model_copy(update={"position": s.position + sensors[s.name].position_error})
         for s in rig.sensors
     ]
-    hidden = [build_effect(entry, rig, EFFECTS) for entry in experiment.truth.effects]
+    entries = enumerate(experiment.truth.effects)
+    hidden = [build_effect(entry, rig, EFFECTS, f"truth.effects[{i}]") for i, entry in entries]
     if isinstance(rig.structure, Beam):
         hidden += [
             PointMass(Place(position=s.position), mass=sensors[s.name].mass)

@@ -105,6 +105,7 @@ def test_a_release_is_a_free_decay(tmp_path):
     ("arguments", "message"),
     [
         (["--with", "mujco"], "the simulators are modal, mujoco, exudyn; did you mean 'mujoco'?"),
+        (["--with", "ansys"], "the simulators are modal, mujoco, exudyn; choose one of them; docs/extending.md"),
         (["--parts", "2"], "Invalid value for '--parts'"),
     ],
 )
@@ -117,7 +118,14 @@ def test_a_wrong_choice_is_told(folder, arguments, message, capsys):
 def test_a_sensor_that_the_rig_does_not_have_is_told(tmp_path, capsys):
     (tmp_path / "test.toml").write_text('[excitation]\nkind = "sweep"\n[sensors.P9]\nmass = 0.1\n')
     assert main(["simulate", str(RIG), str(tmp_path / "test.toml"), "--out", str(tmp_path / "out")]) == 2
-    assert "sensors.P9; the rig's sensors are P1" in capsys.readouterr().err
+    assert "test.toml: sensors.P9; the rig's sensors are P1" in capsys.readouterr().err
+
+
+def test_a_hidden_effect_that_the_rig_cannot_have_is_told_with_its_file_and_place(tmp_path, capsys):
+    effect = '[[truth.effects]]\nkind = "squeeze_film"\nsleeve = "sleeve 7"\ndamping = 1.0\n'
+    (tmp_path / "test.toml").write_text('[excitation]\nkind = "sweep"\n' + effect)
+    assert main(["simulate", str(RIG), str(tmp_path / "test.toml"), "--out", str(tmp_path / "out")]) == 2
+    assert 'test.toml: truth.effects[0].sleeve = "sleeve 7"; the rig\'s sleeves are' in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("jobs", ["1", "2"])

@@ -46,9 +46,17 @@ def test_every_kind_and_key_stands_in_the_docs():
             '[excitation]\nkind = "sweep"\nlo = 3.0',
             r"excitation.lo; the keys here are angle, position, kind, low, .*; did you mean low\?",
         ),
-        ('[excitation]\nkind = "sweep"\nlow = -3.0', r"excitation.low = -3.0; input should be greater than 0; docs/"),
+        ('[excitation]\nkind = "sweep"\nlow = -3.0', r"excitation.low = -3.0; it should be greater than 0; docs/"),
         ('[excitation]\nkind = "sweep"\n[sensors.P1]\npreste = "x"', r"sensors.P1.preste; .*; did you mean preset\?"),
         ('[excitation]\nkind = "release"', r"excitation.position is missing; it has no default; add position"),
+        (
+            '[excitation]\nkind = "multisine"\nrms = [1.0, -4.0]',
+            r"test.toml: excitation.rms.1 = -4.0; it should be greater than 0; docs/",
+        ),
+        (
+            'fs = 2048.0\n[excitation]\nkind = "sweep"\nhigh = 3000.0',
+            r"test.toml: excitation.high = 3000 Hz at fs = 2048 Hz; .* up to 1024 Hz; lower high, or raise fs",
+        ),
         ("fs = = 3", r"test.toml: .*; an experiment is a TOML file; correct it there"),
     ],
 )
