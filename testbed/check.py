@@ -10,9 +10,9 @@ from models.effects import EFFECTS, build_effect
 from models.errors import InputError
 from models.plant import contact_of
 from models.record import FrfRecord, Record
-from models.rig import Beam, Rig
+from models.rig import Rig
 from models.rig_file import read_rig
-from models.structure import Structure
+from testbed.doubts import rig_doubts
 from testbed.records.formats import read_file
 from testbed.records.read import read_record
 
@@ -55,7 +55,7 @@ def check_files(rig_path: Path, records: Sequence[Path], without: Sequence[str] 
     except InputError as error:
         findings.append(Finding(str(rig_path), "error", str(error)))
     if rig is not None:
-        findings += [Finding(str(rig_path), "finding", text) for text in _rig_doubts(rig)]
+        findings += [Finding(str(rig_path), "finding", text) for text in rig_doubts(rig)]
     if not findings:
         assert rig is not None
         findings.append(Finding(str(rig_path), "fine", _rig_in_words(rig)))
@@ -80,43 +80,6 @@ def _effect_faults(rig: Rig, path: Path) -> Iterator[str]:
             build_effect(entry, rig, EFFECTS)
         except InputError as error:
             yield f"{path.name}: {error}"
-
-
-SLENDER = (5.0, 1000.0)
-"""Length over diameter of a beam that is neither a block nor a wire."""
-
-WIDEST = 0.5
-"""Clearance over diameter of a sleeve that still is one."""
-
-LARGEST_SAG = 0.1
-"""Sag under the beam's own weight without sleeves, as a share of its length, up to which it bends by small angles."""
-
-
-def _rig_doubts(rig: Rig) -> Iterator[str]:
-    """Numbers that hint at another unit."""
-    beam = rig.structure
-    if not isinstance(beam, Beam):
-        return
-    slenderness = beam.length / beam.diameter
-    if not SLENDER[0] <= slenderness <= SLENDER[1]:
-        yield (
-            f"a length of {beam.length:g} m with a diameter of {beam.diameter:g} m; beams are {SLENDER[0]:g} to "
-            f"{SLENDER[1]:g} times as long as thick; are both in m?"
-        )
-        return
-    bare = Structure.of(beam)
-    sag = bare.line_mass * abs(bare.gravity) * bare.length**4 / (8.0 * bare.bending_stiffness)
-    if sag > LARGEST_SAG * beam.length:
-        yield (
-            f"the beam would sag by {sag:.3g} m without its sleeves; the models are for small angles; are length, "
-            "youngs_modulus (Pa) and density (kg/m^3) in SI units?"
-        )
-    for sleeve in rig.sleeves:
-        if sleeve.clearance > WIDEST * beam.diameter:
-            yield (
-                f"{sleeve.name}: a clearance of {sleeve.clearance:g} m about a beam {beam.diameter:g} m thick; "
-                f"it is rarely more than {WIDEST:g} of that; is it in m?"
-            )
 
 
 def _rig_in_words(rig: Rig) -> str:

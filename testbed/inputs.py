@@ -12,6 +12,7 @@ from models.record import AnyRecord, Record
 from models.rig import Rig
 from models.rig_file import read_rig
 from testbed import __version__
+from testbed.doubts import rig_doubts
 from testbed.records.read import read_record
 
 
@@ -37,8 +38,10 @@ class Inputs:
 
     @property
     def findings(self) -> tuple[str, ...]:
-        """What the reader noticed in the records."""
-        return tuple(finding for r in (*self.records, *self.holdout) if isinstance(r, Record) for finding in r.findings)
+        """What is odd about the rig file, and what the reader noticed in the records."""
+        timed = [record for record in (*self.records, *self.holdout) if isinstance(record, Record)]
+        odd = [f"{self.rig_path.name}: {doubt}" for doubt in rig_doubts(self.rig)]
+        return (*odd, *(finding for record in timed for finding in record.findings))
 
 
 def read_inputs(
@@ -72,12 +75,13 @@ def read_inputs(
                 "a record kept aside is another test than those that are learnt from",
                 "keep another record aside, or leave this one out",
             )
+    read = [_read_beside(rig, rig_path, path, without, strict=strict) for path in (*records, *holdout)]
     return Inputs(
         rig_path,
         rig,
         (*records, *holdout),
-        tuple(read_record(path, rig, without=without, strict=strict) for path in records),
-        tuple(read_record(path, rig, without=without, strict=strict) for path in holdout),
+        tuple(read[: len(records)]),
+        tuple(read[len(records) :]),
         {
             "version": __version__,
             "rig": sha256(rig_path),
@@ -86,6 +90,17 @@ def read_inputs(
             "without": sorted(without),
         },
     )
+
+
+def _read_beside(rig: Rig, rig_path: Path, path: Path, without: Sequence[str], *, strict: bool) -> AnyRecord:
+    """A record; if it does not fit the rig and the rig file is odd, that is told too."""
+    try:
+        return read_record(path, rig, without=without, strict=strict)
+    except InputError as error:
+        odd = next(rig_doubts(rig), None)
+        if odd is None:
+            raise
+        raise InputError(error.given, error.expected, f"{error.mend}; or see {rig_path.name}: {odd}") from None
 
 
 def check_names(paths: Sequence[Path]) -> None:

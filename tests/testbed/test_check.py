@@ -3,7 +3,9 @@
 import pytest
 from cli_files import RIG_TOML, make_files
 
+from models.errors import InputError
 from testbed.check import check_files
+from testbed.inputs import read_inputs
 
 
 @pytest.fixture(scope="module")
@@ -48,6 +50,21 @@ def test_numbers_in_another_unit_are_doubted(folder, key, value, doubt):
     (found,) = check_files(path, [])
 
     assert (found.severity, found.text.endswith(doubt)) == ("finding", True)
+
+
+def test_a_record_that_an_odd_rig_refuses_names_the_rig_too(folder):
+    path = folder / "soft.toml"
+    path.write_text(RIG_TOML.replace("youngs_modulus = 210e9", "youngs_modulus = 210"))
+    with pytest.raises(InputError, match=r"sweep.csv: .* one period of the first mode, .*; or see soft.toml: the beam"):
+        read_inputs(path, [folder / "sweep.csv"])
+
+
+def test_a_run_carries_what_is_odd_about_its_rig(folder):
+    path = folder / "wide.toml"
+    path.write_text(RIG_TOML.replace("clearance = 3e-4", "clearance = 0.02"))
+    (first, *_) = read_inputs(path, [folder / "sweep.csv"]).findings
+    assert first.startswith("wide.toml: ")
+    assert first.endswith("is it in m?")
 
 
 def test_a_file_is_named_once_in_a_line(folder):
