@@ -21,6 +21,7 @@ class Sweep:
     Attributes:
         rig: that is driven.
         sensor: whose reading is shown.
+        band: Hz, that was asked for; a curve's last points, and the backbone, may lie beyond it.
         curves: up from the band's lower end; where one folds back out of it, down from the upper end too.
         spine: the backbone at this sensor, or None.
         without_spine: why there is none, in words.
@@ -28,6 +29,7 @@ class Sweep:
 
     rig: Rig
     sensor: str
+    band: tuple[float, float]
     curves: tuple[PeriodicCurve, ...]
     spine: PeriodicCurve | None
     without_spine: str
@@ -92,7 +94,7 @@ def swept(
         curves += from_both_ends(plant, amplitude, band, highest, progress)
     progress(f"following the resonance that {seen} sees up to {max(amplitudes):g}")
     spine, without = _spine(plant, seen, max(amplitudes), band, highest)
-    return Sweep(rig, seen, tuple(curves), spine, without)
+    return Sweep(rig, seen, band, tuple(curves), spine, without)
 
 
 def _spine(

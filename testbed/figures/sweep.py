@@ -27,7 +27,7 @@ def sweep_figure(found: Sweep) -> Figure:
     lines, names = ax.get_legend_handles_labels()
     once = dict(zip(names, lines, strict=True))
     ax.legend(once.values(), once.keys(), fontsize=8)
-    ax.set(xlabel="frequency of the sine [Hz]", ylabel=f"{found.sensor} [{found.unit}]", yscale="log")
+    ax.set(xlim=found.band, xlabel="frequency of the sine [Hz]", ylabel=f"{found.sensor} [{found.unit}]", yscale="log")
     ax.grid(visible=True, which="both", color="0.92")
     return figure
 
