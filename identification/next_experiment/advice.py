@@ -55,7 +55,7 @@ def higher_level(records: Evaluator, bench: Bench, model: Hypothesis, *, known: 
     sleeves = [contact.sleeve for contact in model.plant().contacts]
     factor, found = _further(sleeves, {level: _pressed(records, model, level) for level in (1.0, *HIGHER)})
     reason = (
-        "the updated model was seen to predict what was kept aside; where it ends shows only beyond"
+        "the updated model predicts what was kept aside; beyond these levels it has not been tried"
         if known
         else "a nonlinearity shows only where the motion reaches it"
     )
