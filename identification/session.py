@@ -1,6 +1,6 @@
 """What one diagnosis works with: records, noise and resolution, which get finer as the model gets better."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
 
@@ -12,7 +12,7 @@ from identification.consistency.find import pushed_out
 from identification.evaluate import Evaluator
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, effect_unknowns
-from identification.prepare import Horizon, cut_to, horizons, resolved
+from identification.prepare import LEAST_TORN, Horizon, cut_to, horizons, resolved
 from identification.progress import Progress
 from identification.reached import NOISE_REACHED, reaches_noise
 from identification.result import Stage
@@ -133,16 +133,20 @@ class Session:
         Past that the residual follows no slope: a fit ends in one of many pits there, and calls its walls an interval.
         What was fitted already was followed: where a joint sticks, motions part and meet again.
         """
-        self._limit(hypothesis, {target.record.name: target.record.duration for target in self.fitting.timed})
+        followed = {target.record.name: target.record.duration for target in self.fitting.timed}
+        self._limit(horizons(self.everything, hypothesis), followed)
 
     def shortened_by(self, hypothesis: Hypothesis) -> bool:
         """Fit no more of the records from now on than this model predicts; whether that is clearly less.
+
+        Where the force's noise tears nothing apart, motions that part meet again, as where a joint sticks.
 
         Args:
             hypothesis: that explains the beginning and, fitted, no more.
         """
         before = {target.record.name: target.record.duration for target in self.fitting.timed}
-        self._limit(hypothesis, {})
+        found = horizons(self.everything, hypothesis)
+        self._limit(found, {limit.record: before[limit.record] for limit in found if limit.torn < LEAST_TORN})
         shorter = cut_to(self.everything, sum(before.values()), self.limits)
         now = {target.record.name: target.record.duration for target in shorter.timed}
         if all(now[name] > CLEARLY_LESS * seconds for name, seconds in before.items()):
@@ -150,9 +154,8 @@ class Session:
         self.fitting = shorter
         return True
 
-    def _limit(self, hypothesis: Hypothesis, followed: Mapping[str, float]) -> None:
+    def _limit(self, found: Sequence[Horizon], followed: Mapping[str, float]) -> None:
         """Shorten what is used of the records to what a model predicts, but for the seconds that were followed."""
-        found = horizons(self.everything, hypothesis)
         for index, (old, new) in enumerate(zip(self.limits, found, strict=True)):
             seen = replace(new, seconds=max(new.seconds, followed.get(new.record, 0.0)))
             if seen.seconds < old.seconds:

@@ -8,9 +8,10 @@ from trial_records import OSCILLATOR, evaluator_of, measured, moved, multisine, 
 from identification.evidence import Ranked
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, rig_unknowns
-from identification.prepare import cut_to
+from identification.prepare import PREDICTABLE_GROWTH, cut_to, horizons
 from identification.sight import beginnings_of, explained_beginning, is_shortened
 from models.effects import Place
+from models.effects.coulomb_friction import CoulombFriction
 from models.effects.cubic_stiffness import CubicStiffness
 from models.effects.end_stop import EndStop
 
@@ -50,7 +51,7 @@ def suspect(session, *effects, seconds):
 
 def test_no_more_is_fitted_than_what_explains_the_beginning_predicts():
     """Later a stop is struck, and motions part."""
-    session, _ = rising_session(replace(moved(OSCILLATOR, 1.0, -1.0, 0.0), effects=(STOP,)), 4.0)
+    session, _ = rising_session(replace(moved(OSCILLATOR, 1.0, -1.0, 0.0), effects=(STOP,)), 4.0, force_noise=1e-3)
     row = suspect(session, STOP, seconds=1.0)
     assert row.fit.ratio > 2.0
 
@@ -79,3 +80,15 @@ def test_where_all_is_explained_no_beginning_is_looked_at():
 
     assert beginnings_of(session, [suspect(session, STOP, seconds=1.0)]) == []
     assert not is_shortened(session, [])
+
+
+def test_motions_that_part_where_a_joint_sticks_and_meet_again_are_left_whole():
+    sticking = CoulombFriction(Place(), friction_force=5.0, slip_velocity=1e-7)
+    session, _ = rising_session(Hypothesis(OSCILLATOR, effects=(sticking,)), 4.0, force_noise=1e-4)
+    (limit,) = horizons(session.everything, Hypothesis(OSCILLATOR, effects=(sticking,)))
+    assert limit.growth > PREDICTABLE_GROWTH
+    assert limit.seconds < 3.0
+    before = session.fitting
+
+    assert not session.shortened_by(Hypothesis(OSCILLATOR, effects=(sticking,)))
+    assert session.fitting is before

@@ -73,13 +73,13 @@ def moved(rig, *sigmas):
 OSCILLATOR = oscillator()
 
 
-def rising_session(truth, seconds):
+def rising_session(truth, seconds, **noise):
     """A session that fits so many seconds of 4 s in which the force grows, and the oscillator's fit on them.
 
     What is nonlinear shows in the later part only.
     """
     force = np.linspace(0.05, 1.0, 8192) ** 3 * multisine(8192, rms=200.0)
-    everything = evaluator_of(measured(truth, force, name="rising"))
+    everything = evaluator_of(measured(truth, force, name="rising", **noise))
     limits = [Horizon("rising", 1.0, 4.0)]
     session = Session(everything, cut_to(everything, seconds, limits), limits, EFFECTS, lambda _: None, 0)
     return session, fit(session.fitting, Hypothesis(OSCILLATOR), rig_unknowns(OSCILLATOR), precise=True)
