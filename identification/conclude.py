@@ -55,8 +55,8 @@ def settled(session: Session, final: Fit) -> Fit:
     """
     ended = session.to_the_end(final)
     last = unstrained(session.all_predicted, ended)
-    if last is not ended:
-        session.decide(moved_back(ended, last))
+    if words := moved_back(ended, last):
+        session.decide(words)
     return corrected(session.all_predicted, last, np.random.default_rng(session.seed))
 
 

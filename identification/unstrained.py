@@ -39,7 +39,7 @@ def unstrained(evaluator: Evaluator, found: Fit) -> Fit:
 
 
 def moved_back(found: Fit, back: Fit) -> str:
-    """Where the numbers are now that were far from what their owner says, in words.
+    """Where the numbers are now that were far from what their owner says; empty where they are as far.
 
     Args:
         found: a fit.
@@ -49,6 +49,12 @@ def moved_back(found: Fit, back: Fit) -> str:
     moves = [
         f"{unknown.parameter.label} at {now:+.1f} standard deviations instead of {then:+.1f}"
         for unknown, then, now in zip(found.unknowns, before, after, strict=True)
-        if isinstance(unknown, RigUnknown) and abs(then) > FAR
+        if isinstance(unknown, RigUnknown) and abs(then) > FAR and abs(then) - abs(now) > NEARER
     ]
+    if not moves:
+        return ""
     return f"the records are as well explained with other numbers, nearer to what their owner says: {', '.join(moves)}"
+
+
+NEARER = 0.1
+"""Standard deviations that are worth telling."""

@@ -81,3 +81,4 @@ def test_it_is_told_where_each_far_number_is_now():
     words = moved_back(found(-3.0), found(-2.5))
 
     assert words.endswith("clearance of sleeve 1 at -2.5 standard deviations instead of -3.0")
+    assert moved_back(found(-3.0), found(-2.97)) == ""
