@@ -63,7 +63,7 @@ def locate(
     search = _Search(evaluator, hypothesis, seed, names)
     first = search.profile(runs if runs is not None else runs_beside(evaluator, hypothesis))
     if np.sqrt(first.weighed.nothing) <= AT_NOISE or first.best_evidence < LEAST_EVIDENCE:
-        return _nothing(first)
+        return _unseen(_nothing(first), evaluator, hypothesis)
     found = search.channel(first) if first.is_channel else search.place(first)
     suspicious = max(channel.explained for channel in first.channels) > SUSPICIOUS
     if not found.enough and (suspicious or first.is_channel):
@@ -284,6 +284,24 @@ def _nothing(first: _Profile) -> Located:
         forces=(),
         shape=None,
     )
+
+
+def _unseen(found: Located, evaluator: Evaluator, hypothesis: Hypothesis) -> Located:
+    """Nothing found, told as what it is where the model misses the records nevertheless."""
+    residual = np.concatenate([target.residual(hypothesis, evaluator.settings) for target in evaluator.timed])
+    misfit = float(np.sqrt(np.mean(residual**2)))
+    if misfit <= MISSED * AT_NOISE:
+        return found
+    words = (
+        f"no place is told: the model misses the records by {misfit:.2g} times their noise, but the balance of forces, its "
+        "toleranced numbers free and the motion known through the channels alone, holds to "
+        f"{found.nothing:.2f} times its own noise"
+    )
+    return replace(found, words=words)
+
+
+MISSED = 2.0
+"""Times what is nothing to explain, from which a model misses records whatever their noise may be."""
 
 
 def _force_in(run: BesideRun, last: _Profile, record: int, way: int) -> PlacedForce:

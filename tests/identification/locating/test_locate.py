@@ -116,6 +116,7 @@ def test_what_the_tolerances_allow_is_no_missing_force():
     plain = [np.mean(np.abs(run.gap.T) ** 2 / run.variance) for run in runs_beside(evaluator, Hypothesis(REFERENCE))]
     assert np.sqrt(np.mean(plain)) > 5.0
     assert found.place is None
+    assert found.words.startswith("no place is told: the model misses the records by ")
 
 
 def test_without_a_beam_or_a_second_channel_no_place_is_looked_for():
