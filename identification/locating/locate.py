@@ -293,8 +293,8 @@ def _unseen(found: Located, evaluator: Evaluator, hypothesis: Hypothesis) -> Loc
     if misfit <= MISSED * AT_NOISE:
         return found
     words = (
-        f"no place is told: the model misses the records by {misfit:.2g} times their noise, but the balance of forces, its "
-        "toleranced numbers free and the motion known through the channels alone, holds to "
+        f"no place is told: the model misses the records by {misfit:.2g} times their noise, but the balance of forces, "
+        "its toleranced numbers free and the motion known through the channels alone, holds to "
         f"{found.nothing:.2f} times its own noise"
     )
     return replace(found, words=words)
