@@ -12,7 +12,11 @@ Records = Annotated[
 ]
 Out = Annotated[
     Path | None,
-    typer.Option("--out", metavar="DIR", help="Folder of the results; by default results/<name of the first file>."),
+    typer.Option(
+        "--out",
+        metavar="DIR",
+        help="Folder of the results; by default results/ and the name of the first file, demo or study.",
+    ),
 ]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of every random choice.")]
 Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Threads.")]
