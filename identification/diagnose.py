@@ -16,7 +16,7 @@ from identification.evaluate import carry_noise
 from identification.evidence import Ranked
 from identification.exchange import exchanged
 from identification.fewer import with_fewer
-from identification.fit import Fit
+from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis
 from identification.in_all_sleeves import fallen_apart, in_all_sleeves
 from identification.outcome import AT_REST_ONLY
@@ -27,7 +27,7 @@ from identification.relearning import everything_again, fitted_again, relearn, r
 from identification.result import Diagnosis, Stage, Verdict
 from identification.rounds import look_round, told_apart, with_other_starts
 from identification.session import Session
-from identification.sight import beginnings_of, explained_beginning, is_shortened, refitted_from
+from identification.sight import beginnings_of, explained_beginning, refitted_from, shorten
 from models.effects import EFFECTS, Registry
 from models.record import AnyRecord
 from models.rig import Rig
@@ -92,7 +92,7 @@ def diagnose(
             break
         ranked, better = look_round(session, chain[-1])
         beginnings = beginnings_of(session, ranked)
-        if is_shortened(session, beginnings):
+        if shorten(session, beginnings):
             chain, (*rounds, ranked) = everything_again(session, chain, [*rounds, ranked])
             better = None
         ranked = refitted_from(session, beginnings, ranked)
@@ -127,10 +127,20 @@ def _calibrated(session: Session, started: Hypothesis) -> Fit:
         base = calibrate(session.fitting, started, unknowns)
         first = explained_beginning(session.fitting, started, unknowns) if base.ratio > NOISE_REACHED else None
         if first is not None:
-            base = min(base, calibrate(session.fitting, first.hypothesis, unknowns, ()), key=lambda each: each.cost)
+            base = _better(session, base, first)
         base = relearn(session, session.resolve(base))
-        if base.ratio <= NOISE_REACHED or first is None or not is_shortened(session, [first]):
+        if base.ratio <= NOISE_REACHED or first is None or not shorten(session, [first]):
             return base
+
+
+def _better(session: Session, base: Fit, first: Fit) -> Fit:
+    """The calibration, or that from where a beginning is explained."""
+    try:
+        return min(
+            base, fit(session.fitting, first.hypothesis, base.unknowns, precise=True), key=lambda each: each.cost
+        )
+    except ArithmeticError:  # beyond the beginning nothing holds it
+        return base
 
 
 def _revised(

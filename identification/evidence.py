@@ -24,25 +24,25 @@ class Ranked:
         fit: with all unknowns refitted, or the sketch.
         refitted: whether all unknowns were.
         log_evidence: not yet normalised.
-        begun: its fit on the beginning of the records, from which it was refitted, where there was one.
+        sketch: its fit on the beginning of the records, from which it was refitted, where there was one.
     """
 
     effect: Effect
     fit: Fit
     refitted: bool
     log_evidence: float
-    begun: Fit | None = None
+    sketch: Fit | None = None
 
     @classmethod
-    def of(cls, found: Fit, index: int = -1, begun: Fit | None = None) -> Self:
+    def of(cls, found: Fit, index: int = -1, sketch: Fit | None = None) -> Self:
         """A suspect refitted and not yet weighed.
 
         Args:
             found: its fit.
             index: of its effect.
-            begun: its fit on the beginning of the records.
+            sketch: its fit on the beginning of the records.
         """
-        return cls(found.hypothesis.effects[index], found, refitted=True, log_evidence=0.0, begun=begun)
+        return cls(found.hypothesis.effects[index], found, refitted=True, log_evidence=0.0, sketch=sketch)
 
 
 def with_evidence(ranked: Sequence[Ranked]) -> list[Ranked]:

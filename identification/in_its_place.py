@@ -19,6 +19,7 @@ from identification.scene import is_same_place, sleeves_of, valley
 from identification.screen import Suspect, promising, survey
 from identification.sketch import TOLERANCE
 from models.effects import Effect, Registry
+from models.rig import Beam
 
 REFIT_WINDOWS: Windows = ((0.35, 2.0),)
 """The sketch has seen the beginning."""
@@ -50,12 +51,13 @@ def judged_beside(
 
 
 def _seen_there(leader: Fit, fitting: Evaluator, base: Fit, registry: Registry) -> list[Effect]:
-    """The best of each kind where the last effect sits, if that has a place along the beam."""
-    position = leader.hypothesis.effects[-1].place.position
-    if position is None:
-        return []
-    bare = without_last(leader.hypothesis)
-    return [s.effect for s in seen_at(position, fitting, base, bare, registry)[:MOST_SEEN]]
+    """The best of each kind where the last effect sits, if that has a place along the beam or is on an oscillator."""
+    place, bare = leader.hypothesis.effects[-1].place, without_last(leader.hypothesis)
+    if isinstance(bare.rig.structure, Beam):
+        if place.position is None:
+            return []
+        return [s.effect for s in seen_at(place.position, fitting, base, bare, registry)[:MOST_SEEN]]
+    return [s.effect for s in seen_at(None, fitting, base, bare, registry) if s.effect.place == place][:MOST_SEEN]
 
 
 MOST_SEEN = 6
@@ -112,14 +114,15 @@ def _simpler_rows(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], regis
         return []
     leader = ranked[0].effect
     sort = "position" if leader.place.sleeve is None else "sleeve"
-    fewer = {name: k for name, k in registry.items() if sort in k.places and _fitted_of(k) < leader.n_numbers}
+    fewer = {name: kind for name, kind in registry.items() if sort in kind.places and _is_simpler(kind, leader)}
     seen = _seen_there(ranked[0].fit, fitting, base, fewer) if fewer else []
-    return begun_at_leader(fitting, base, ranked, (e for e in seen if e.place.sleeve == leader.place.sleeve))
+    return begun_at_leader(fitting, base, ranked, (replace(effect, place=leader.place) for effect in seen))
 
 
-def _fitted_of(kind: type[Effect]) -> int:
-    """How many numbers a fit determines of this kind."""
-    return sum(about.fitted for about in kind.parameters().values())
+def _is_simpler(kind: type[Effect], leader: Effect) -> bool:
+    """Whether a kind that acts by itself has fewer numbers for a fit."""
+    alone = kind.part_kind() == kind.kind
+    return alone and sum(about.fitted for about in kind.parameters().values()) < leader.n_numbers
 
 
 def _of_the_sleeve(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], registry: Registry) -> list[Ranked]:

@@ -113,7 +113,7 @@ def finals(
             found = first.hypothesis
         result = refit(fitting, base, found.effects[-1], found.values)
         if result is not None:
-            ranked.append(Ranked.of(result, begun=sketch.fit))
+            ranked.append(Ranked.of(result, sketch=sketch.fit))
             if result.ratio < min(CLOSE_ENOUGH, leader[1].ratio if leader else CLOSE_ENOUGH):
                 leader = (sketch, result)
     ordered = with_others_there(fitting, base, with_evidence(ranked), registry, progress)

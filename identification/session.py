@@ -36,7 +36,7 @@ COARSEST = 2
 """Steps per sample of the search at least; the model's own choice is finer."""
 
 
-ELSEWHERE = ("time", "measurement")
+NOT_AT_A_PLACE = ("time", "measurement")
 """Families of which none is tried only because it could sit where another does."""
 
 
@@ -133,34 +133,40 @@ class Session:
         Past that the residual follows no slope: a fit ends in one of many pits there, and calls its walls an interval.
         What was fitted already was followed: where a joint sticks, motions part and meet again.
         """
-        followed = {target.record.name: target.record.duration for target in self.fitting.timed}
-        self._limit(horizons(self.everything, hypothesis), followed)
+        self._limit(_no_less(horizons(self.everything, hypothesis), self._fitted_seconds))
 
-    def shortened_by(self, hypothesis: Hypothesis) -> bool:
-        """Fit no more of the records from now on than this model predicts; whether that is clearly less.
+    def shorten_to(self, hypothesis: Hypothesis) -> bool:
+        """Fit no more of any record from now on than this model predicts, if that is clearly less; whether it is.
 
         Where the force's noise tears nothing apart, motions that part meet again, as where a joint sticks.
 
         Args:
             hypothesis: that explains the beginning and, fitted, no more.
         """
-        before = {target.record.name: target.record.duration for target in self.fitting.timed}
-        found = horizons(self.everything, hypothesis)
-        self._limit(found, {limit.record: before[limit.record] for limit in found if limit.torn < LEAST_TORN})
-        shorter = cut_to(self.everything, sum(before.values()), self.limits)
-        now = {target.record.name: target.record.duration for target in shorter.timed}
+        before = self._fitted_seconds
+        try:
+            found = horizons(self.everything, hypothesis)
+        except ArithmeticError:  # beyond the beginning nothing holds it
+            return False
+        found = _no_less(found, {limit.record: before[limit.record] for limit in found if limit.torn < LEAST_TORN})
+        now = {limit.record: min(limit.seconds, before[limit.record]) for limit in found}
         if all(now[name] > CLEARLY_LESS * seconds for name, seconds in before.items()):
             return False
-        self.fitting = shorter
+        self._limit(found)
+        self.fitting = cut_to(self.everything, sum(now.values()), self.limits)
         return True
 
-    def _limit(self, found: Sequence[Horizon], followed: Mapping[str, float]) -> None:
-        """Shorten what is used of the records to what a model predicts, but for the seconds that were followed."""
+    @property
+    def _fitted_seconds(self) -> dict[str, float]:
+        """Of each time record."""
+        return {target.record.name: target.record.duration for target in self.fitting.timed}
+
+    def _limit(self, found: Sequence[Horizon]) -> None:
+        """Use no more of each record than is found."""
         for index, (old, new) in enumerate(zip(self.limits, found, strict=True)):
-            seen = replace(new, seconds=max(new.seconds, followed.get(new.record, 0.0)))
-            if seen.seconds < old.seconds:
-                self.limits[index] = seen
-                self.decide(f"{seen.in_words}, by the model that explains the beginning")
+            if new.seconds < old.seconds:
+                self.limits[index] = new
+                self.decide(f"{new.in_words}, by the model that explains the beginning")
 
     @property
     def all_predicted(self) -> Evaluator:
@@ -190,7 +196,7 @@ class Session:
             rig: whose structure they must be able to sit on.
         """
         structure = rig.structure.kind
-        return {n: k for n, k in self.registry.items() if structure in k.structures and k.family not in ELSEWHERE}
+        return {n: k for n, k in self.registry.items() if structure in k.structures and k.family not in NOT_AT_A_PLACE}
 
     def searching(self, base: Fit) -> Evaluator:
         """All records at the resolution at which suspects are looked for: what the model misses hides coarser steps.
@@ -205,3 +211,8 @@ class Session:
                 self.fitting.with_settings(Settings(self.fitting.settings.n_modes)), base.hypothesis, misfit
             )
         return self.everything.with_settings(coarse.settings)
+
+
+def _no_less(found: Sequence[Horizon], followed: Mapping[str, float]) -> list[Horizon]:
+    """Horizons, none before the seconds that a record was followed for."""
+    return [replace(limit, seconds=max(limit.seconds, followed.get(limit.record, 0.0))) for limit in found]

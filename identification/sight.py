@@ -19,7 +19,7 @@ from identification.reached import NOISE_REACHED
 from identification.session import Session
 from identification.sketch import is_alike
 
-LENGTHENED: Windows = tuple((0.001 * 2.0**k, 0.1 * 2.0**k) for k in range(7))
+BEGINNINGS: Windows = tuple((0.001 * 2.0**k, 0.1 * 2.0**k) for k in range(7))
 """Share of the response's energy, and seconds at least, of one beginning after the other."""
 
 
@@ -35,7 +35,7 @@ def explained_beginning(evaluator: Evaluator, start: Hypothesis, unknowns: Seque
         None where the shortest does not reach the noise.
     """
     reached = None
-    for window in LENGTHENED if evaluator.timed else ():
+    for window in BEGINNINGS if evaluator.timed else ():
         short = beginning(evaluator, *window)
         hypothesis = start if reached is None else reached.hypothesis
         try:
@@ -66,29 +66,27 @@ def beginnings_of(session: Session, ranked: Sequence[Ranked]) -> list[Fit]:
 
 def _beginning_of(session: Session, row: Ranked) -> Fit | None:
     """From the sketch's numbers, and from the given ones where these have been bent."""
-    if row.begun is None:
+    if row.sketch is None:
         return None
-    model, unknowns = row.begun.hypothesis, row.fit.unknowns
+    model, unknowns = row.sketch.hypothesis, row.fit.unknowns
     first = explained_beginning(session.fitting, model, unknowns)
-    if first is not None and first.n_data > LONG_ENOUGH * session.fitting.n_data:
+    if first is not None and first.n_data >= LONG_ENOUGH * session.fitting.n_data:
         return first
-    return explained_beginning(session.fitting, replace(model, values={}), unknowns)
+    second = explained_beginning(session.fitting, replace(model, values={}), unknowns)
+    return max((each for each in (first, second) if each is not None), key=lambda each: each.n_data, default=None)
 
 
-def is_shortened(session: Session, beginnings: Sequence[Fit]) -> bool:
-    """Shorten what is fitted to what the model predicts that explains the longest beginning.
+def shorten(session: Session, beginnings: Sequence[Fit]) -> bool:
+    """Shorten what is fitted to what the model predicts that explains the longest beginning; whether it is less.
 
     Args:
         session: with the records; told.
         beginnings: models that explain one, and no more.
-
-    Returns:
-        whether less is fitted from now on.
     """
     longest = max(beginnings, key=lambda each: each.n_data, default=None)
     if longest is None or longest.n_data < LONG_ENOUGH * session.fitting.n_data:
         return False
-    return session.shortened_by(longest.hypothesis)
+    return session.shorten_to(longest.hypothesis)
 
 
 LONG_ENOUGH = 0.03
@@ -96,14 +94,14 @@ LONG_ENOUGH = 0.03
 
 
 def refitted_from(session: Session, beginnings: Sequence[Fit], ranked: list[Ranked]) -> list[Ranked]:
-    """The ranking with the suspects that explain the longest beginnings refitted from there, as far as these tell.
+    """The ranking with the suspects that explain the longest beginnings refitted from there, where that is better.
 
     Args:
         session: with the records.
         beginnings: models with one effect more, each explaining one.
         ranked: sorted.
     """
-    told = [each for each in beginnings if each.n_data > LONG_ENOUGH * session.fitting.n_data]
+    told = [each for each in beginnings if each.n_data >= LONG_ENOUGH * session.fitting.n_data]
     chosen: list[Fit] = []
     for each in sorted(told, key=lambda found: -found.n_data):
         if len(chosen) < MOST_REFITTED and not any(is_alike(each, other) for other in chosen):
@@ -114,9 +112,11 @@ def refitted_from(session: Session, beginnings: Sequence[Fit], ranked: list[Rank
             again = fit(session.fitting, each.hypothesis, each.unknowns, precise=True)
         except ArithmeticError:
             continue
-        session.progress(f"{again.hypothesis.effects[-1].label()} explains the beginning; refitted from there")
-        rows.append(Ranked.of(again))
-    return reweighed(ranked, rows)
+        alike = [row for row in rows if is_alike(row.fit, again)]
+        if all(again.cost < row.fit.cost for row in alike):
+            session.progress(f"{again.hypothesis.effects[-1].label()} explains the beginning; refitted from there")
+            rows = [*(row for row in rows if row not in alike), Ranked.of(again)]
+    return reweighed(ranked, rows) if chosen else ranked
 
 
 MOST_REFITTED = 3

@@ -1,14 +1,18 @@
 """What else may stand where the best effect has come to."""
 
 import pytest
-from trial_records import REFERENCE, beam_session, found_with
+from trial_records import OSCILLATOR, REFERENCE, beam_session, evaluator_of, found_with, measured, multisine
 
 from identification.evidence import Ranked
+from identification.fit import fit
+from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
+from identification.in_all_sleeves import in_all_sleeves
 from identification.in_its_place import EXPLAINED, with_others_there
 from models.effects import EFFECTS, Place
 from models.effects.absorber import Absorber
 from models.effects.bouc_wen import BoucWen
 from models.effects.coulomb_friction import CoulombFriction
+from models.effects.hertz_contact import HertzContact
 from models.effects.point_damping import PointDamping
 from models.effects.point_mass import PointMass
 from models.effects.sensor_gain import SensorGain
@@ -54,6 +58,30 @@ def test_hysteresis_that_yields_at_once_is_friction_and_at_a_sleeve_the_sleeves_
     assert rows[0].effect.friction_force == pytest.approx(0.3, rel=0.05)
     assert rows[0].fit.ratio < found.ratio
     assert [row.effect.kind for row in rows].count("coulomb_friction") == 1
+
+
+def test_on_an_oscillator_the_simpler_law_is_tried_too():
+    friction = CoulombFriction(Place(), friction_force=5.0, slip_velocity=2e-3)
+    evaluator = evaluator_of(measured(Hypothesis(OSCILLATOR, effects=(friction,)), multisine(4096)))
+    base = fit(evaluator, Hypothesis(OSCILLATOR), rig_unknowns(OSCILLATOR), precise=True)
+    stiff = Hypothesis(OSCILLATOR, effects=(BoucWen(Place(), 5.0, 1e-9, 1.0),))
+    leader = fit(evaluator, stiff, (*base.unknowns, *effect_unknowns(stiff)), precise=True)
+
+    kinds = {kind: EFFECTS[kind] for kind in ("coulomb_friction", "point_damping")}
+    rows = with_others_there(evaluator, base, [Ranked.of(leader)], kinds, lambda _: None)
+
+    assert rows[0].effect.kind == "coulomb_friction"
+    assert rows[0].effect.friction_force == pytest.approx(5.0, rel=0.05)
+
+
+def test_what_is_in_all_sleeves_is_no_simpler_law():
+    session = beam_session(HertzContact(IN_SLEEVE, stiffness=3e8, exponent=1.8))
+    registry = {**in_all_sleeves(EFFECTS, REFERENCE), "contact_stiffness": EFFECTS["contact_stiffness"]}
+    found = Ranked.of(found_with(session, HertzContact(IN_SLEEVE, stiffness=3e8, exponent=1.8)))
+
+    rows = with_others_there(session.fitting, found_with(session), [found], registry, lambda _: None)
+
+    assert {row.effect.label() for row in rows} <= {"hertz_contact at sleeve 2", "contact_stiffness at sleeve 2"}
 
 
 def test_a_law_beside_a_sleeve_keeps_its_place_where_the_records_tell_it():

@@ -9,7 +9,7 @@ from identification.evidence import Ranked
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, rig_unknowns
 from identification.prepare import PREDICTABLE_GROWTH, cut_to, horizons
-from identification.sight import beginnings_of, explained_beginning, is_shortened
+from identification.sight import beginnings_of, explained_beginning, refitted_from, shorten
 from models.effects import Place
 from models.effects.coulomb_friction import CoulombFriction
 from models.effects.cubic_stiffness import CubicStiffness
@@ -46,7 +46,7 @@ def suspect(session, *effects, seconds):
     found = fit(session.fitting, Hypothesis(OSCILLATOR, effects=effects), UNKNOWNS, max_iterations=0)
     short = cut_to(session.everything, seconds, session.limits)
     begun = fit(short, found.hypothesis, UNKNOWNS, precise=True)
-    return Ranked.of(found, begun=begun) if effects else Ranked(STOP, found, True, 0.0, begun)
+    return Ranked.of(found, sketch=begun) if effects else Ranked(STOP, found, True, 0.0, begun)
 
 
 def test_no_more_is_fitted_than_what_explains_the_beginning_predicts():
@@ -55,13 +55,13 @@ def test_no_more_is_fitted_than_what_explains_the_beginning_predicts():
     row = suspect(session, STOP, seconds=1.0)
     assert row.fit.ratio > 2.0
 
-    assert is_shortened(session, beginnings_of(session, [row]))
+    assert shorten(session, beginnings_of(session, [row]))
 
     (limit,) = session.limits
     assert limit.seconds < 3.0
     assert session.fitting.timed[0].record.duration == pytest.approx(limit.seconds, abs=0.01)
     assert "by the model that explains the beginning" in session.decisions[-1]
-    assert not is_shortened(session, beginnings_of(session, [row]))  # a second time nothing is left to shorten
+    assert not shorten(session, beginnings_of(session, [row]))  # a second time nothing is left to shorten
 
 
 def test_a_calm_record_that_a_model_does_not_explain_is_left_whole():
@@ -71,15 +71,39 @@ def test_a_calm_record_that_a_model_does_not_explain_is_left_whole():
     assert row.fit.ratio > 2.0
 
     assert max(each.n_data for each in beginnings_of(session, [row])) < 0.5 * row.fit.n_data
-    assert not is_shortened(session, beginnings_of(session, [row]))
+    assert not shorten(session, beginnings_of(session, [row]))
     assert session.fitting is before
+
+
+def test_a_suspect_is_refitted_from_where_it_explains_the_beginning_and_stands_in_the_ranking_once():
+    truth = replace(moved(OSCILLATOR, 1.0, -1.0, 0.0), effects=(STOP,))
+    session, _ = rising_session(truth, 2.0)
+    row = suspect(session, STOP, seconds=1.0)
+    assert row.fit.ratio > 2.0
+    beginnings = beginnings_of(session, [row])
+
+    (better,) = refitted_from(session, beginnings, [row])
+
+    assert better.fit.ratio == pytest.approx(1.0, abs=0.15)
+    (again,) = refitted_from(session, beginnings, [better])
+    assert again.fit.cost == pytest.approx(better.fit.cost, rel=1e-3)
+    assert refitted_from(session, [], [row]) == [row]
+
+
+def test_a_model_that_leaves_the_finite_numbers_later_shortens_nothing():
+    softening = CubicStiffness(Place(), stiffness=-1e12)
+    session, _ = rising_session(Hypothesis(OSCILLATOR), 4.0)
+    with pytest.raises(ArithmeticError):
+        horizons(session.everything, Hypothesis(OSCILLATOR, effects=(softening,)))
+
+    assert not session.shorten_to(Hypothesis(OSCILLATOR, effects=(softening,)))
 
 
 def test_where_all_is_explained_no_beginning_is_looked_at():
     session, _ = rising_session(Hypothesis(OSCILLATOR, effects=(STOP,)), 4.0)
 
     assert beginnings_of(session, [suspect(session, STOP, seconds=1.0)]) == []
-    assert not is_shortened(session, [])
+    assert not shorten(session, [])
 
 
 def test_motions_that_part_where_a_joint_sticks_and_meet_again_are_left_whole():
@@ -90,5 +114,5 @@ def test_motions_that_part_where_a_joint_sticks_and_meet_again_are_left_whole():
     assert limit.seconds < 3.0
     before = session.fitting
 
-    assert not session.shortened_by(Hypothesis(OSCILLATOR, effects=(sticking,)))
+    assert not session.shorten_to(Hypothesis(OSCILLATOR, effects=(sticking,)))
     assert session.fitting is before
