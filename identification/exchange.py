@@ -99,9 +99,10 @@ def _judged_again(session: Session, calibrated: Fit, now: Exchange, index: int) 
         return replace(now, rounds=rounds)
     effects = (*others[:index], best.effect, *others[index:])
     last = fit_at(session, calibrated, replace(best.fit.hypothesis, effects=effects), polished=True)
+    less = "a place less to fit" if best.effect.kind == effect.kind else "less"
     session.decide(
         f"{effect.label()} exchanged for {best.effect.label()}: beside {beside} that explains the records as well with "
-        f"less, or better; residual from {now.fit.ratio:.2f} to {last.ratio:.2f} times the noise; "
+        f"{less}, or better; residual from {now.fit.ratio:.2f} to {last.ratio:.2f} times the noise; "
         f"{best.effect.in_words()}"
     )
     label = f"{effect.label()} exchanged for {best.effect.label()}"

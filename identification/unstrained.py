@@ -53,7 +53,7 @@ def moved_back(found: Fit, back: Fit) -> str:
     ]
     if not moves:
         return ""
-    return f"the records are as well explained with other numbers, nearer to what their owner says: {', '.join(moves)}"
+    return f"likelier by what the records and the owner say together: {', '.join(moves)}"
 
 
 NEARER = 0.1

@@ -280,22 +280,31 @@ def _nothing(first: _Profile) -> Located:
         sensor=None,
         share=0.0,
         enough=ratio <= AT_NOISE,
-        words=f"no force is missing: the forces balance to {ratio:.2f} times the noise",
+        words=_balanced(ratio),
         forces=(),
         shape=None,
     )
 
 
+def _balanced(ratio: float) -> str:
+    """What is said where no place explains more than none."""
+    if ratio <= AT_NOISE:
+        return f"no force is missing: the forces balance to {ratio:.2f} times the noise"
+    return (
+        f"no place is told: the forces balance to {ratio:.2f} times the noise, with a force at one place hardly better"
+    )
+
+
 def _unseen(found: Located, evaluator: Evaluator, hypothesis: Hypothesis) -> Located:
-    """Nothing found, told as what it is where the model misses the records nevertheless."""
+    """Nothing found, told as what it is where the model misses the records nevertheless: unseen, or parting motions."""
     residual = np.concatenate([target.residual(hypothesis, evaluator.settings) for target in evaluator.timed])
     misfit = float(np.sqrt(np.mean(residual**2)))
-    if misfit <= MISSED * AT_NOISE:
+    if misfit <= MISSED * AT_NOISE or found.nothing > AT_NOISE:
         return found
     words = (
         f"no place is told: the model misses the records by {misfit:.2g} times their noise, but the balance of forces, "
         "its toleranced numbers free and the motion known through the channels alone, holds to "
-        f"{found.nothing:.2f} times its own noise"
+        f"{found.nothing:.2f} times its own noise: what is missing is hidden there, or neighbouring motions part"
     )
     return replace(found, words=words)
 

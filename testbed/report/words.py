@@ -103,7 +103,7 @@ def _more(last: Score) -> str:
     """That something is left beyond the noise, where it is."""
     if last.noise_nrmse <= 0.0 or last.nrmse <= ERROR_REACHED * last.noise_nrmse:
         return ""
-    return f"; what is left, {last.nrmse / last.noise_nrmse:.2g} times the noise, nothing in the library explains"
+    return f"; what is left, {last.nrmse / last.noise_nrmse:.2g} times the noise, is not explained"
 
 
 def second_line(diagnosis: Diagnosis) -> str:

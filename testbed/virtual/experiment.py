@@ -36,7 +36,7 @@ class Multisine(Placed):
     kind: Literal["multisine"]
     low: Positive = 5.0
     high: Positive = 300.0
-    rms: Positive | tuple[Positive, ...] = 3.0
+    rms: Positive | Annotated[tuple[Positive, ...], Field(min_length=1)] = 3.0
     period: Positive = 1.0
     periods: Count = 4
     realisations: Count = 1
@@ -177,16 +177,22 @@ def read_experiment(path: Path) -> Experiment:
 
 
 def _check_band(experiment: Experiment, file: str) -> None:
-    """A record holds no frequency beyond half its rate."""
-    highest = 0.5 * experiment.fs
+    """A band begins below its end, and a record holds no frequency beyond half its rate."""
+    drive, highest = experiment.excitation, 0.5 * experiment.fs
     for key in ("high", "frequency"):
-        value = getattr(experiment.excitation, key, 0.0)
+        value = getattr(drive, key, 0.0)
         if value > highest:
             raise InputError(
                 f"{file}: excitation.{key} = {value:g} Hz at fs = {experiment.fs:g} Hz",
                 f"a record at this rate holds frequencies up to {highest:g} Hz",
-                f"lower {key}, or raise fs",
+                f"{'lower' if key in drive.model_fields_set else 'set a lower'} {key}, or raise fs",
             )
+    if isinstance(drive, Multisine | Sweep | SteppedSine) and drive.low >= drive.high:
+        raise InputError(
+            f"{file}: excitation.low = {drive.low:g} Hz, high = {drive.high:g} Hz",
+            "a band begins below its end",
+            "give low below high",
+        )
 
 
 EXCITATIONS: dict[str, type[Part]] = {
@@ -206,9 +212,8 @@ def _fault(error: ValidationError, file: str) -> InputError:
     """The first problem in three parts; of a key that takes one number or a list, that of the list if it was given."""
     first = error.errors()[0]
     if isinstance(first["input"], list):
-        first = max(
-            (each for each in error.errors() if each["loc"][:3] == first["loc"][:3]), key=lambda e: len(e["loc"])
-        )
+        there = [each for each in error.errors() if each["loc"][:3] == first["loc"][:3]]
+        first = max(reversed(there), key=lambda each: len(each["loc"]))
     keys = [str(key) for key in first["loc"] if key not in EXCITATIONS and not _is_branch(key)]
     where = f"{file}: {'.'.join(keys)}"
     if first["type"] == "extra_forbidden":
