@@ -70,7 +70,7 @@ def _beginning_of(session: Session, row: Ranked) -> Fit | None:
         return None
     model, unknowns = row.sketch.hypothesis, row.fit.unknowns
     first = explained_beginning(session.fitting, model, unknowns)
-    if first is not None and first.n_data >= LONG_ENOUGH * session.fitting.n_data:
+    if first is not None and _is_long(session, first):
         return first
     second = explained_beginning(session.fitting, replace(model, values={}), unknowns)
     return max((each for each in (first, second) if each is not None), key=lambda each: each.n_data, default=None)
@@ -84,13 +84,16 @@ def shorten(session: Session, beginnings: Sequence[Fit]) -> bool:
         beginnings: models that explain one, and no more.
     """
     longest = max(beginnings, key=lambda each: each.n_data, default=None)
-    if longest is None or longest.n_data < LONG_ENOUGH * session.fitting.n_data:
-        return False
-    return session.shorten_to(longest.hypothesis)
+    return longest is not None and _is_long(session, longest) and session.shorten_to(longest.hypothesis)
+
+
+def _is_long(session: Session, first: Fit) -> bool:
+    """Whether an explained beginning tells which numbers are right."""
+    return first.n_data >= LONG_ENOUGH * session.fitting.n_data
 
 
 LONG_ENOUGH = 0.03
-"""Share of the data from which a beginning tells which numbers are right."""
+"""Share of the data."""
 
 
 def refitted_from(session: Session, beginnings: Sequence[Fit], ranked: list[Ranked]) -> list[Ranked]:
@@ -101,7 +104,7 @@ def refitted_from(session: Session, beginnings: Sequence[Fit], ranked: list[Rank
         beginnings: models with one effect more, each explaining one.
         ranked: sorted.
     """
-    told = [each for each in beginnings if each.n_data >= LONG_ENOUGH * session.fitting.n_data]
+    told = [each for each in beginnings if _is_long(session, each)]
     chosen: list[Fit] = []
     for each in sorted(told, key=lambda found: -found.n_data):
         if len(chosen) < MOST_REFITTED and not any(is_alike(each, other) for other in chosen):

@@ -63,7 +63,7 @@ def locate(
     search = _Search(evaluator, hypothesis, seed, names)
     first = search.profile(runs if runs is not None else runs_beside(evaluator, hypothesis))
     if np.sqrt(first.weighed.nothing) <= AT_NOISE or first.best_evidence < LEAST_EVIDENCE:
-        return _unseen(_nothing(first), evaluator, hypothesis)
+        return _nothing(first)
     found = search.channel(first) if first.is_channel else search.place(first)
     suspicious = max(channel.explained for channel in first.channels) > SUSPICIOUS
     if not found.enough and (suspicious or first.is_channel):
@@ -280,33 +280,34 @@ def _nothing(first: _Profile) -> Located:
         sensor=None,
         share=0.0,
         enough=ratio <= AT_NOISE,
-        words=_balanced(ratio),
+        words=_balanced(ratio, _missed_by(first.runs)),
         forces=(),
         shape=None,
     )
 
 
-def _balanced(ratio: float) -> str:
-    """What is said where no place explains more than none."""
-    if ratio <= AT_NOISE:
+def _missed_by(runs: Sequence[BesideRun]) -> float:
+    """What the model's own runs leave of the records, over the noise."""
+    return float(np.sqrt(np.mean(np.concatenate([(np.abs(run.gap.T) ** 2 / run.variance).ravel() for run in runs]))))
+
+
+def _balanced(ratio: float, misfit: float) -> str:
+    """What is said where no place explains more than none: nothing is missing, or it is unseen, or not at one place.
+
+    Args:
+        ratio: what the balance of forces leaves, over its noise.
+        misfit: what the model leaves of the records, over theirs.
+    """
+    if ratio > AT_NOISE:
+        hardly = "with a force at one place hardly better"
+        return f"no place is told: the forces balance to {ratio:.2f} times the noise, {hardly}"
+    if misfit <= MISSED * AT_NOISE:
         return f"no force is missing: the forces balance to {ratio:.2f} times the noise"
     return (
-        f"no place is told: the forces balance to {ratio:.2f} times the noise, with a force at one place hardly better"
-    )
-
-
-def _unseen(found: Located, evaluator: Evaluator, hypothesis: Hypothesis) -> Located:
-    """Nothing found, told as what it is where the model misses the records nevertheless: unseen, or parting motions."""
-    residual = np.concatenate([target.residual(hypothesis, evaluator.settings) for target in evaluator.timed])
-    misfit = float(np.sqrt(np.mean(residual**2)))
-    if misfit <= MISSED * AT_NOISE or found.nothing > AT_NOISE:
-        return found
-    words = (
         f"no place is told: the model misses the records by {misfit:.2g} times their noise, but the balance of forces, "
         "its toleranced numbers free and the motion known through the channels alone, holds to "
-        f"{found.nothing:.2f} times its own noise: what is missing is hidden there, or neighbouring motions part"
+        f"{ratio:.2f} times its own noise: what is missing is hidden there, or neighbouring motions part"
     )
-    return replace(found, words=words)
 
 
 MISSED = 2.0

@@ -201,7 +201,7 @@ def place_picture(diagnosis: Diagnosis, rig: Rig) -> Picture | None:
         np.array([channel.explained for channel in found.channels]),
     )
     if found.shape is not None:
-        panels = _panels_of(found.shape)
+        panels = panels_of(found.shape)
         _draw_shape(lower[0].subplots(1, len(panels)), panels, found.shape)
     return picture(
         figure,
@@ -223,8 +223,12 @@ MOTION: tuple[Panel, ...] = (
 SIZES: tuple[Panel, ...] = (("time", 1.0, "time [s]"), ("amplitude", 1e3, "amplitude [mm]"))
 
 
-def _panels_of(shape: Shape) -> tuple[Panel, ...]:
-    """Displacement and velocity, acceleration where it predicts the force best, and the force's sizes."""
+def panels_of(shape: Shape) -> tuple[Panel, ...]:
+    """Displacement and velocity, acceleration where it predicts the force best, and the force's sizes.
+
+    Args:
+        shape: of the force.
+    """
     explained = dict(shape.explained)
     best = max((name for name, _, _ in MOTION if name in explained), key=lambda name: explained[name])
     return (*MOTION[: 3 if best == "acceleration" else 2], *SIZES)

@@ -226,7 +226,8 @@ def _fault(error: ValidationError, file: str) -> InputError:
     if first["type"].startswith("union_tag"):
         kind = first.get("ctx", {}).get("tag", "none")
         return InputError(f"{where}.kind = {kind}", f"a kind is one of {', '.join(EXCITATIONS)}", "choose one of them")
-    return InputError(f"{where} = {first['input']!r}", first["msg"].replace("Input should", "it should"), LOOK)
+    rule = first["msg"].replace("Input should", "it should")
+    return InputError(f"{where} = {first['input']!r}", rule[0].lower() + rule[1:], LOOK)
 
 
 def _is_branch(key: str | int) -> bool:

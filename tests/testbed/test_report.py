@@ -10,15 +10,16 @@ import pytest
 from made_up_diagnosis import FRICTION, made_up_diagnosis, made_up_record, made_up_score
 
 from identification.at_rest import PairedModes
+from identification.locating.located import Shape
 from identification.next_experiment.proposal import Proposal
 from identification.result import Candidate, Estimate, FrfScore, ModesScore, Score
 from models.record import FrfRecord, ModeShapeRecord
 from models.rig import Excitation, Oscillator, Rig, Sensor
 from models.rig_file import read_rig
 from testbed.report import Provenance, provenance, write_report
-from testbed.report.figures import shown_records
+from testbed.report.figures import panels_of, shown_records
 from testbed.report.rows import rig_pulls
-from testbed.report.words import chance, number, percent, with_std
+from testbed.report.words import chance, headline, number, percent, with_std
 
 SECTIONS = ("models", "parameters", "candidates", "where", "force", "records", "decisions", "next", "provenance")
 VOID = {"meta", "img", "br", "link", "hr", "input"}
@@ -296,3 +297,30 @@ def test_an_estimate_has_two_digits_of_its_deviation(estimate, text):
 )  # fmt: skip
 def test_numbers_read_as_an_engineer_writes_them(given, text):
     assert given == text
+
+
+@pytest.mark.parametrize(
+    ("nrmse", "more"), [(0.0071, ""), (0.014, "; what is left, 2 times the noise, is not explained")]
+)
+def test_the_headline_says_what_stays_unexplained(whole_rig, nrmse, more):
+    diagnosis = made_up_diagnosis(whole_rig)
+    last = diagnosis.stages[-1]
+    score = made_up_score(last.score.records[0].record, nrmse)  # of a noise of 0.7 %
+    told = headline(replace(diagnosis, stages=(*diagnosis.stages[:-1], replace(last, score=score))))
+
+    assert told.endswith(f"the noise alone leaves 0.70 %{more}.")
+
+
+def test_a_force_that_follows_the_acceleration_has_a_panel_for_it():
+    shares = {"displacement": 0.1, "velocity": 0.2}
+    still = Shape((*shares.items(), ("acceleration", 0.15)), (), (), (), 0.0)
+    inert = Shape((*shares.items(), ("acceleration", 0.9)), (), (), (), 0.0)
+
+    assert [name for name, _, _ in panels_of(still)] == ["displacement", "velocity", "time", "amplitude"]
+    assert [name for name, _, _ in panels_of(inert)] == [
+        "displacement",
+        "velocity",
+        "acceleration",
+        "time",
+        "amplitude",
+    ]

@@ -61,7 +61,10 @@ def test_every_kind_and_key_stands_in_the_docs():
             '[excitation]\nkind = "sweep"\nlow = 40.0\nhigh = 30.0',
             r"test.toml: excitation.low = 40 Hz, high = 30 Hz; a band begins below its end; give low below high",
         ),
-        ('[excitation]\nkind = "multisine"\nrms = []', r"test.toml: excitation.rms = \[\]; .*at least 1 item"),
+        (
+            '[excitation]\nkind = "multisine"\nrms = []',
+            r"test.toml: excitation.rms = \[\]; tuple should have at least 1 item",
+        ),
         ('fs = 256.0\n[excitation]\nkind = "sweep"', r"excitation.high = 300 Hz at .*; set a lower high, or raise fs"),
         ("fs = = 3", r"test.toml: .*; an experiment is a TOML file; correct it there"),
     ],
