@@ -19,6 +19,7 @@ from identification.fewer import with_fewer
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis
 from identification.in_all_sleeves import fallen_apart, in_all_sleeves
+from identification.instead import instead_of
 from identification.outcome import AT_REST_ONLY
 from identification.prepare import cut_to, horizons, prepare
 from identification.progress import Progress, silent
@@ -193,11 +194,12 @@ def _ended(
 ) -> tuple[Verdict, Fit, Fit]:
     """The verdict, the model that stands, and the same on all records with honest intervals.
 
-    An effect whose size these intervals do not tell from none, or whose law they do not tell, is taken out, with its
-    round; the last round stays where it is needed to show what was weighed.
+    An effect whose size these intervals do not tell from none, or whose law they do not tell, gives its place to
+    another of its round that explains as much, or is taken out with its round; the last round stays where it is needed
+    to show what was weighed.
     """
     searched = bool(rounds)
-    final, weighed = chain[-1], rounds[:1]
+    final, weighed, asked = chain[-1], rounds[:1], []
     while True:
         verdict = verdict_of(session, chain[0], final, searched=searched)
         final = final if verdict == "missing_effect" else chain[0]
@@ -208,10 +210,21 @@ def _ended(
                 rounds += weighed
             return verdict, final, last
         index, why = doubted
-        label = final.hypothesis.effects[index].label()
-        session.decide(f"{label} taken out again: {why}")
+        effect = final.hypothesis.effects[index]
+        asked.append(effect.kind)
+        other = instead_of(session, chain[0], final, index, rounds[index], asked)
+        if other is not None:
+            final, rounds[index] = other.fit, other.ranked
+            now = final.hypothesis.effects[index]
+            session.decide(
+                f"{effect.label()} exchanged for {now.label()}, which explains the records as well: {why}; "
+                f"{now.in_words()}"
+            )
+            stages.append(session.stage(f"{effect.label()} exchanged for {now.label()}", final.hypothesis))
+            continue
+        session.decide(f"{effect.label()} taken out again: {why}")
         final = fit_without(session, chain[0], final, index) or chain[0]
-        stages.append(session.stage(f"- {label}", final.hypothesis))
+        stages.append(session.stage(f"- {effect.label()}", final.hypothesis))
         weighed = [rounds.pop(index)]
 
 

@@ -8,7 +8,8 @@ another with more numbers, and a number known only beside another, 3 of seed 538
 that the force's noise moved out of their tolerance, 67 of seed 8839 a first effect that answers for the second too,
 and a faint second one that trials of ordinary size do not show, 36 of seed 10271 two effects that stood for one, 131 of
 seed 11497 an absorber between the modes, laws none of whose numbers was told, and a base taken out again for rounding
-in its phases; the seed below has been drawn since.
+in its phases, 8 of seed 12659 a law with more numbers that stood for a simpler one and was taken out without asking for
+that; the seed below has been drawn since.
 """
 
 from dataclasses import dataclass
@@ -148,7 +149,7 @@ TUNING = CaseSet(
 
 REPORTED = CaseSet(
     name="reported",
-    seed=12659,
+    seed=13903,
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),
     length=Span(0.6, 2.4),
