@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from testbed.hidden_effects.judge import LARGEST_GROUP, NEAR
 from testbed.hidden_effects.plan import NOTHING, OUTSIDE
-from testbed.hidden_effects.sets import FEW, MANY, MOST, SNR
+from testbed.hidden_effects.sets import FEW, MANY, MOST, SETS, SNR
 from testbed.hidden_effects.trials import MOST_AMPLIFICATION, MOST_GROWTH
 from testbed.outputs import Json
 
@@ -22,6 +22,12 @@ right, or a stated group of at most {LARGEST_GROUP} holds both it and the true o
 *After*: error of the updated model on the record held out over what a perfect model leaves there, from the very noise
 that was added; the bars are over all cases whose truth the library holds. *Chaotic*: a motion that changes, relatively,
 more than {MOST_GROWTH:g} times as much as Young's modulus or {MOST_AMPLIFICATION:g} times as much as the force.
+"""
+
+BATCHES = """\
+A case is judged by the diagnosis as it was before anybody had looked at the case. What the misses of a batch taught was
+mended after it, and is judged by the next batch, drawn from another seed. So the figures are those of the diagnosis on
+its way; none is of cases that it was tuned on.
 """
 
 COLUMNS = ("", "cases", "failed", "right", "in a group", "right kind", "after, median", "s, median")
@@ -50,6 +56,11 @@ def page_of(summary: Json, explained: Mapping[str, str], command: str) -> str:
         "",
         ABOUT,
         *_bars(summary["bars"]),
+        "",
+        "## Batches",
+        "",
+        BATCHES,
+        *_batches(summary),
         "",
         "## Where",
         "",
@@ -83,6 +94,20 @@ def _bars(bars: list[Json]) -> Iterator[str]:
         bound = f"{bar['bar']:g}" + ("" if bar["upper"] is None else f" to {bar['upper']:g}")
         met = {None: "", True: "yes", False: "no"}[bar["met"]]
         yield f"| {bar['name']} | {value} | {interval} | {bound} | {bar['aim']:g} | {met} | {bar['cases']} |"
+
+
+def _batches(summary: Json) -> Iterator[str]:
+    """Right of all, by seed and class."""
+    rows = {seed: row for seed, row in summary["batches"].items() if row["cases"]}
+    names = list(next(iter(rows.values()), {"classes": {}})["classes"])
+    yield from _heads(
+        ("seed", "cases", *(f"{name}, right" for name in names), "after, median", "what its misses taught")
+    )
+    taught = SETS[summary["set"]].batches
+    for seed, row in rows.items():
+        right = " | ".join(f"{c['right']} of {c['cases']}" for c in row["classes"].values())
+        after = "" if row["after_median"] is None else f"{row['after_median']:.3g}"
+        yield f"| {seed} | {row['cases']} | {right} | {after} | {taught[int(seed)]} |"
 
 
 def _rows(summary: Json) -> Iterator[str]:

@@ -57,7 +57,7 @@ class Task:
     @property
     def name(self) -> str:
         """Of the case and its file."""
-        return f"{self.case_set}-{self.kind}-{self.number}"
+        return f"{self.case_set}-{self.seed}-{self.kind}-{self.number}"
 
 
 def planned(case_set: str, cases: int, only: Sequence[str] = ()) -> tuple[Task, ...]:

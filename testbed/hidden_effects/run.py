@@ -15,6 +15,7 @@ from testbed.hidden_effects.crew import RunCase, Workers
 from testbed.hidden_effects.page import page_of
 from testbed.hidden_effects.plan import Task
 from testbed.hidden_effects.scores import in_a_line, summary_of
+from testbed.hidden_effects.sets import SETS
 from testbed.outputs import Json, json_text, keep_json, staged
 
 CASES, SUMMARY, PAGE, EXPLANATIONS = "cases", "summary.json", "README.md", "explanations.toml"
@@ -32,7 +33,7 @@ def run_hidden_effects(
 ) -> Json:
     """Run the cases that are not there yet, then write the scores of all cases of the set in the folder.
 
-    Cases of another seed, which a set had before, are left alone until one of the same name is run.
+    Cases of the set's earlier batches, of other seeds, count beside those that are run; those of any other seed do not.
 
     Args:
         tasks: cases of one set.
@@ -50,14 +51,14 @@ def run_hidden_effects(
         InputError: a folder that cannot be written, or explanations that are not TOML.
     """
     explained = explanations(out)
-    todo = [task for task in tasks if not is_done(path_of(out, task), task)]
+    todo = [task for task in tasks if not is_done(path_of(out, task))]
     progress(f"{len(tasks) - len(todo)} of {len(tasks)} cases are there, {len(todo)} to do")
     for done, (task, case) in enumerate(workers(todo, run, threads) if todo else (), start=1):
         keep_json(path_of(out, task), case)
         progress(f"{done}/{len(todo)} {in_a_line(case)}")
     case_set = tasks[0].case_set
     files = [json.loads(file.read_text(encoding="utf-8")) for file in sorted((out / CASES).glob(f"{case_set}-*.json"))]
-    cases = [case for case in files if case.get("seed") == tasks[0].seed]
+    cases = [case for case in files if case.get("seed") in SETS[case_set].batches]
     summary = summary_of(cases, case_set)
     with staged(out) as stage:
         (stage / SUMMARY).write_text(json_text(summary), encoding="utf-8")
@@ -77,17 +78,16 @@ def path_of(out: Path, task: Task) -> Path:
     return out / CASES / f"{task.name}.json"
 
 
-def is_done(path: Path, task: Task) -> bool:
-    """Whether a case is there; one that failed is tried again, and one of another seed is another case.
+def is_done(path: Path) -> bool:
+    """Whether a case is there; one that failed is tried again.
 
     Args:
         path: of its file.
-        task: the case.
     """
     if not path.exists():
         return False
     case = json.loads(path.read_text(encoding="utf-8"))
-    return case.get("seed") == task.seed and "failure" not in case
+    return "failure" not in case
 
 
 def explanations(out: Path) -> dict[str, str]:
@@ -105,7 +105,9 @@ def explanations(out: Path) -> dict[str, str]:
     try:
         content = tomllib.loads(file.read_text(encoding="utf-8"))
     except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise InputError(f"{file}: {error}", 'lines like reported-nothing-3 = "why"', "correct it there") from error
+        raise InputError(
+            f"{file}: {error}", 'lines like reported-13903-nothing-3 = "why"', "correct it there"
+        ) from error
     for name, text in content.items():
         if not isinstance(text, str):
             raise InputError(f"{file}: {name} = {text!r}", "an explanation is a text", 'write it in quotes: "why"')

@@ -8,7 +8,7 @@ import numpy as np
 
 from testbed.hidden_effects.bars import bars_of
 from testbed.hidden_effects.plan import NOTHING, OUTSIDE, TWO
-from testbed.hidden_effects.sets import FEW, MANY
+from testbed.hidden_effects.sets import FEW, MANY, SETS
 from testbed.outputs import Json
 
 CLASSES = {NOTHING: "nothing hidden", TWO: "two effects", OUTSIDE: "outside the library"}
@@ -42,6 +42,7 @@ def summary_of(cases: Sequence[Json], case_set: str) -> Json:
         f"one effect below {MANY:g} times the noise": row_of([c for c in hidden_one if _ratio(c) < MANY]),
         f"one effect from {MANY:g} times the noise on": row_of([c for c in hidden_one if _ratio(c) >= MANY]),
         "chaotic": row_of([case for case in cases if case.get("chaotic")]),
+        "batches": {str(seed): batch_of([c for c in cases if c["seed"] == seed]) for seed in SETS[case_set].batches},
         "engines": {name: row_of(group) for name, group in _by(cases, "engine").items()},
         "kinds": {kind: row_of(group) for kind, group in _by(hidden_one, "kind").items()},
         "laws outside": {kind: row_of(group) for kind, group in _by_law(groups[CLASSES[OUTSIDE]]).items()},
@@ -59,6 +60,18 @@ def summary_of(cases: Sequence[Json], case_set: str) -> Json:
     }
     bars = bars_of(figures)
     return figures | {"bars": bars, "missed": [bar["name"] for bar in bars if bar["met"] is False]}
+
+
+def batch_of(cases: Sequence[Json]) -> Json:
+    """Cases of one seed: how many, how many right of each class, and the error held out.
+
+    Args:
+        cases: of that seed.
+    """
+    kept = held_out([case for case in cases if "judged" in case and class_of(case) != CLASSES[OUTSIDE]])
+    classes = {name: row_of([c for c in cases if class_of(c) == name]) for name in (ONE, *CLASSES.values())}
+    counts = {name: {key: row[key] for key in ("right", "cases")} for name, row in classes.items()}
+    return {"cases": len(cases), "classes": counts, "after_median": kept["median"]}
 
 
 def class_of(case: Json) -> str:

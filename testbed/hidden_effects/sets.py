@@ -1,17 +1,18 @@
 """The two sets of cases: one to tune the diagnosis on, one to report, with other seeds and other generators.
 
-Fixed before anything was tuned on the first; a change here makes other cases, and old ones have to be run again. What
-was looked at is there to tune on: 45 reported cases of seed 2029 showed intervals too narrow, 19 of seed 2611 odds too
-sure of themselves, 8 of seed 3107 a start that was missing, 30 of seed 4517 what hangs on one record, a law imitated by
-another with more numbers, and a number known only beside another, 3 of seed 5381 two names for one wall, 21 of seed
-6257 numbers that stay where a second effect had pulled them, 21 of seed 7411 lines read from half a second and numbers
-that the force's noise moved out of their tolerance, 67 of seed 8839 a first effect that answers for the second too,
-and a faint second one that trials of ordinary size do not show, 36 of seed 10271 two effects that stood for one, 131 of
-seed 11497 an absorber between the modes, laws none of whose numbers was told, and a base taken out again for rounding
-in its phases, 8 of seed 12659 a law with more numbers that stood for a simpler one and was taken out without asking for
-that; the seed below has been drawn since.
+Fixed before anything was tuned on the first; a change here makes other cases. A case is judged by the diagnosis as it
+was before anybody had looked at the case. What a batch of reported cases taught is mended after it, and judged by the
+next batch, of another seed: so the batches count together (A. P. Dawid, J. R. Stat. Soc. A 147 (1984) 278, calls it
+prequential), and what was looked at is there to tune on. Of those before the batches that count, 45 cases of seed 2029
+showed intervals too narrow, 19 of seed 2611 odds too sure of themselves, 8 of seed 3107 a start that was missing, 30 of
+seed 4517 what hangs on one record, a law imitated by another with more numbers, and a number known only beside another,
+3 of seed 5381 two names for one wall, 21 of seed 6257 numbers that stay where a second effect had pulled them, 21 of
+seed 7411 lines read from half a second and numbers that the force's noise moved out of their tolerance, 67 of seed 8839
+a first effect that answers for the second too, and a faint second one that trials of ordinary size do not show, 36 of
+seed 10271 two effects that stood for one.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import exp, log
 from typing import Literal
@@ -72,7 +73,7 @@ class CaseSet:
 
     Attributes:
         name: of the set.
-        seed: of all its cases.
+        batches: seed of each batch of cases that counts -> what its misses taught; cases are drawn from the last one.
         shape: of every span's distribution (``Span.draw``).
         materials: that a beam may be of.
         length, diameter: of the beam, m.
@@ -95,7 +96,7 @@ class CaseSet:
     """
 
     name: str
-    seed: int
+    batches: Mapping[int, str]
     shape: float
     materials: tuple[str, ...]
     length: Span
@@ -119,10 +120,15 @@ class CaseSet:
     blow_width: Span
     crest: Span
 
+    @property
+    def seed(self) -> int:
+        """Of the cases that are drawn now."""
+        return list(self.batches)[-1]
+
 
 TUNING = CaseSet(
     name="tuning",
-    seed=11,
+    batches={11: ""},
     shape=1.0,
     materials=("steel", "aluminium", "brass", "titanium"),
     length=Span(0.7, 2.0),
@@ -149,7 +155,12 @@ TUNING = CaseSet(
 
 REPORTED = CaseSet(
     name="reported",
-    seed=13903,
+    batches={
+        11497: "an absorber between the modes; laws none of whose numbers was told; a base taken out again for "
+        "rounding in its phases; records of hard impacts that can be followed for less than was thought",
+        12659: "a law with more numbers that stood for a simpler one, and was taken out without asking for that",
+        13903: "",
+    },
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),
     length=Span(0.6, 2.4),

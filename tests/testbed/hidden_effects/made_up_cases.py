@@ -14,7 +14,7 @@ def made_up(kind, number, *, right=True, named=None, after=1.0, ratio=8.0, insid
     one = kind not in ("nothing", "two", "outside")
     number_row = {"kind": kind, "name": "mass", "value": 1.02, "std": 0.01, "true": 1.0, "inside": inside}
     return {
-        "case": f"reported-{kind}-{number}",
+        "case": Task("reported", kind, number).name,
         "set": "reported",
         "seed": REPORTED.seed,
         "kind": kind,

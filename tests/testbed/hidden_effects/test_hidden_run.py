@@ -9,8 +9,10 @@ from models.errors import InputError
 from testbed.cli.app import main
 from testbed.hidden_effects.plan import planned
 from testbed.hidden_effects.run import run_hidden_effects
+from testbed.hidden_effects.sets import REPORTED
 from testbed.outputs import keep_json
 
+SEED = REPORTED.seed
 TASKS = planned("reported", 6, ["nothing", "point_mass"])
 
 
@@ -39,7 +41,7 @@ def test_every_case_has_its_file_and_the_page_its_figures(tmp_path):
     for name in ("confusion", "held_out", "seconds"):
         assert f"figures/{name}.png" in page
         assert (tmp_path / "figures" / f"{name}.png").exists()
-    assert "`reported-nothing-1`" in page
+    assert f"`reported-{SEED}-nothing-1`" in page
     assert json.loads((tmp_path / "summary.json").read_text())["missed"]
 
 
@@ -66,17 +68,18 @@ def test_a_run_that_was_killed_goes_on_without_losing_a_finished_case(tmp_path):
     assert summary["cases"] == 6
 
 
-def test_a_case_of_another_seed_is_another_case(tmp_path):
-    run(tmp_path)
-    file = tmp_path / "cases" / f"{TASKS[0].name}.json"
-    file.write_text(json.dumps(json.loads(file.read_text()) | {"seed": TASKS[0].seed + 1}))
-
-    fewer, _ = run(tmp_path, tasks=TASKS[1:])
-    assert fewer["cases"] == 5
+def test_earlier_batches_count_and_other_seeds_do_not(tmp_path):
+    earlier, *_ = REPORTED.batches
+    for seed in (earlier, 1):
+        about = {"seed": seed, "case": f"reported-{seed}-nothing-0"}
+        keep_json(tmp_path / "cases" / f"{about['case']}.json", made_up("nothing", 0) | about)
     summary, told = run(tmp_path)
-
-    assert told[0] == "5 of 6 cases are there, 1 to do"
-    assert summary["cases"] == 6
+    assert told[0] == "0 of 6 cases are there, 6 to do"
+    assert summary["cases"] == 7
+    assert summary["batches"][str(earlier)]["classes"]["nothing hidden"] == {"right": 1, "cases": 1}
+    page = (tmp_path / "README.md").read_text()
+    assert f"| {earlier} | 1 | 0 of 0 | 1 of 1 |" in page
+    assert REPORTED.batches[earlier] in page
 
 
 def test_a_case_that_failed_is_kept_and_tried_again(tmp_path):
@@ -90,10 +93,10 @@ def test_a_case_that_failed_is_kept_and_tried_again(tmp_path):
 def test_an_explanation_stands_beside_its_case(tmp_path):
     run(tmp_path)
     assert "Not explained yet." in (tmp_path / "README.md").read_text()
-    (tmp_path / "explanations.toml").write_text('reported-nothing-1 = "The seed was unlucky."\n')
+    (tmp_path / "explanations.toml").write_text(f'reported-{SEED}-nothing-1 = "The seed was unlucky."\n')
     run(tmp_path)
     page = (tmp_path / "README.md").read_text()
-    line = next(line for line in page.splitlines() if line.startswith("- `reported-nothing-1`"))
+    line = next(line for line in page.splitlines() if line.startswith(f"- `reported-{SEED}-nothing-1`"))
     assert line.endswith("*The seed was unlucky.*")
     assert (tmp_path / "explanations.toml").exists()
 
@@ -101,7 +104,7 @@ def test_an_explanation_stands_beside_its_case(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("reported-nothing-1 = ", "explanations.toml: .*; lines like"),
+        (f"reported-{SEED}-nothing-1 = ", "explanations.toml: .*; lines like"),
         ("a = 3", "a = 3; an explanation is a text; write"),
     ],
 )
@@ -119,7 +122,7 @@ def test_the_command_prints_the_bars_and_its_status_tells_whether_all_were_met(t
     assert main(words) == 0
     assert "both of two effects found" in capsys.readouterr().out
     for number in range(6):
-        keep_json(tmp_path / "cases" / f"reported-two-{number}.json", made_up("two", number, right=False))
+        keep_json(tmp_path / "cases" / f"reported-{SEED}-two-{number}.json", made_up("two", number, right=False))
     assert main([*words, "--json"]) == 1
     assert "both of two effects found" in json.loads(capsys.readouterr().out)["missed"]
 

@@ -2,6 +2,9 @@ import pytest
 from made_up_cases import every_bar_met, failed, made_up
 
 from testbed.hidden_effects.scores import in_a_line, summary_of
+from testbed.hidden_effects.sets import REPORTED
+
+SEED = REPORTED.seed
 
 
 def bar(summary, name):
@@ -29,8 +32,8 @@ def test_where_every_bar_is_met_none_is_missed():
         ("numbers inside", lambda c: made_up(c["kind"], c["number"], inside=True)),
         ("numbers inside", lambda c: made_up(c["kind"], c["number"], inside=c["number"] % 8 != 0)),
         ("seconds", lambda c: c | {"seconds": {"draw": 1.0, "diagnosis": 61.0, "threads": 2}}),
-        ("cases", lambda c: c if c["case"] != "reported-two-0" else None),
-        ("of them with nothing", lambda c: c if c["case"] != "reported-nothing-0" else None),
+        ("cases", lambda c: c if c["case"] != f"reported-{SEED}-two-0" else None),
+        ("of them with nothing", lambda c: c if c["case"] != f"reported-{SEED}-nothing-0" else None),
     ],
 )
 def test_each_bar_can_be_missed(name, worse):
@@ -55,7 +58,7 @@ def test_a_case_that_failed_is_not_right_and_stands_among_the_missed():
     summary = summary_of([made_up("point_mass", 0), failed("point_mass", 1)], "reported")
     assert summary["one effect"]["right_share"] == 0.5
     assert summary["one effect"]["failed"] == 1
-    assert [miss["case"] for miss in summary["misses"]] == ["reported-point_mass-1"]
+    assert [miss["case"] for miss in summary["misses"]] == [f"reported-{SEED}-point_mass-1"]
 
 
 def test_false_alarms_abstentions_and_silent_misses_are_told_apart():
@@ -93,9 +96,12 @@ def test_without_a_case_no_bar_is_missed_but_those_that_count_cases():
 
 
 def test_progress_says_case_engine_result_and_seconds():
-    assert in_a_line(made_up("point_mass", 3, engine="mujoco")) == "reported-point_mass-3 (mujoco): right, 28 s"
-    assert in_a_line(made_up("nothing", 1, right=False, named="wear")) == "reported-nothing-1 (fine): WRONG, wear, 26 s"
-    assert in_a_line(failed("two", 1)) == "reported-two-1: ValueError: nobody knows"
+    assert in_a_line(made_up("point_mass", 3, engine="mujoco")) == f"reported-{SEED}-point_mass-3 (mujoco): right, 28 s"
+    assert (
+        in_a_line(made_up("nothing", 1, right=False, named="wear"))
+        == f"reported-{SEED}-nothing-1 (fine): WRONG, wear, 26 s"
+    )
+    assert in_a_line(failed("two", 1)) == f"reported-{SEED}-two-1: ValueError: nobody knows"
 
 
 def test_a_share_of_few_cases_lies_in_a_wide_interval():

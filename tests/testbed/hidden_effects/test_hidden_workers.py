@@ -45,7 +45,7 @@ def test_the_cases_of_a_killed_run_end_with_it(tmp_path):
 
 def test_a_case_that_fails_is_told_with_where_it_did():
     case = run_case(TASKS[0], draw=no_case)
-    assert case["failure"] == "ArithmeticError: tuning-nothing-0 cannot be drawn"
+    assert case["failure"] == "ArithmeticError: tuning-11-nothing-0 cannot be drawn"
     assert case["where"][-1].startswith("quick_cases.py:")
 
 
