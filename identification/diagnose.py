@@ -11,7 +11,7 @@ from identification.alone import one_alone
 from identification.assess import with_starts
 from identification.calibrate import calibrate, strained, unknowns_of
 from identification.conclude import concluded, one_set_of_numbers, settled
-from identification.established import unestablished
+from identification.established import NO_LAW, unestablished
 from identification.evaluate import carry_noise
 from identification.evidence import Ranked
 from identification.exchange import exchanged
@@ -194,12 +194,12 @@ def _ended(
 ) -> tuple[Verdict, Fit, Fit]:
     """The verdict, the model that stands, and the same on all records with honest intervals.
 
-    An effect whose size these intervals do not tell from none, or whose law they do not tell, gives its place to
-    another of its round that explains as much, or is taken out with its round; the last round stays where it is needed
-    to show what was weighed.
+    An effect whose size these intervals do not tell from none, or whose law they do not tell, is taken out, with its
+    round; a law gives its place to a simpler one of its round first, where that explains as much. The last round stays
+    where it is needed to show what was weighed.
     """
     searched = bool(rounds)
-    final, weighed, asked = chain[-1], rounds[:1], []
+    final, weighed, asked = chain[-1], rounds[:1], [set[str]() for _ in rounds]
     while True:
         verdict = verdict_of(session, chain[0], final, searched=searched)
         final = final if verdict == "missing_effect" else chain[0]
@@ -211,8 +211,10 @@ def _ended(
             return verdict, final, last
         index, why = doubted
         effect = final.hypothesis.effects[index]
-        asked.append(effect.kind)
-        other = instead_of(session, chain[0], final, index, rounds[index], asked)
+        asked[index].add(effect.kind)
+        other = None
+        if why == NO_LAW:
+            other = instead_of(session, chain[0], final, index, rounds[index], asked[index])
         if other is not None:
             final, rounds[index] = other.fit, other.ranked
             now = final.hypothesis.effects[index]
@@ -226,6 +228,7 @@ def _ended(
         final = fit_without(session, chain[0], final, index) or chain[0]
         stages.append(session.stage(f"- {effect.label()}", final.hypothesis))
         weighed = [rounds.pop(index)]
+        asked.pop(index)
 
 
 def _open(

@@ -1,10 +1,11 @@
 """Another law in the place of one that is not established, where it explains the records as well.
 
 A law with more numbers bends itself to what a simpler one does, and then the records tell none of them. Taken out, it
-leaves all of the misfit again; but what it stood for was weighed beside it, in the same round.
+leaves all of the misfit again; but what it stood for was weighed beside it, in the same round. Only what has fewer
+numbers is asked: a law with as many may be bent as well.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from math import log
 
@@ -12,6 +13,7 @@ from identification.acceptance import comes_as_near
 from identification.evidence import SIMPLER, Ranked
 from identification.exchange import fit_at
 from identification.fit import Fit
+from identification.hypothesis import Hypothesis
 from identification.session import Session
 
 
@@ -29,34 +31,47 @@ class Instead:
 
 
 def instead_of(
-    session: Session, calibrated: Fit, found: Fit, index: int, ranked: Sequence[Ranked], asked: Sequence[str]
+    session: Session, calibrated: Fit, found: Fit, index: int, ranked: Sequence[Ranked], asked: Collection[str]
 ) -> Instead | None:
-    """The best other law of an effect's round with which the model comes as near to the records; None where none does.
+    """The best simpler law of an effect's round with which the model comes as near to all records, or None.
 
     Args:
         session: with the records.
         calibrated: the model without effects, for its unknowns.
-        found: with the effect that is not established.
+        found: with the effect whose law is not established, fitted to the end of the records just before.
         index: of that effect.
         ranked: its round.
-        asked: kinds that were found not to be established.
+        asked: kinds that were found not to be established in its place.
     """
-    effects = found.hypothesis.effects
+    effects, before = found.hypothesis.effects, session.to_the_end(found)
     for row in ranked:
-        if not row.refitted or row.effect.kind in asked:
+        simpler = len(row.effect.parts()) == 1 and row.effect.n_numbers < effects[index].n_numbers
+        if not row.refitted or not simpler or row.effect.kind in asked:
             continue
         others = (*effects[:index], row.effect, *effects[index + 1 :])
-        try:
-            now = fit_at(session, calibrated, replace(row.fit.hypothesis, effects=others), polished=True)
-        except ArithmeticError:
+        numbers = (row.fit.hypothesis, found.hypothesis)[: len(effects)]  # beside other effects either may be bent
+        now = _fitted(session, calibrated, [replace(each, effects=others) for each in numbers])
+        if now is None or not comes_as_near(now, found):
             continue
-        if comes_as_near(now, found):
+        ended = session.to_the_end(now)
+        if ended.n_data == before.n_data and comes_as_near(ended, before):
             first = replace(row, fit=now, effect=now.hypothesis.effects[index])
             return Instead(now, _ordered(first, [other for other in ranked if other is not row], asked))
     return None
 
 
-def _ordered(first: Ranked, others: Sequence[Ranked], asked: Sequence[str]) -> list[Ranked]:
+def _fitted(session: Session, calibrated: Fit, starts: Sequence[Hypothesis]) -> Fit | None:
+    """The best fit from these starts; None where no model stands."""
+    fits = []
+    for start in starts:
+        try:
+            fits.append(fit_at(session, calibrated, start, polished=True))
+        except ArithmeticError:
+            continue
+    return min(fits, key=lambda each: each.cost, default=None)
+
+
+def _ordered(first: Ranked, others: Sequence[Ranked], asked: Collection[str]) -> list[Ranked]:
     """The rows with this one first: what is not established has the odds of a number that is not needed, at most."""
     most = first.log_evidence - log(SIMPLER)
     rows = [

@@ -7,10 +7,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
-from testbed.hidden_effects.bars import interval_of
+from testbed.hidden_effects.bars import interval_of, threads_of
+from testbed.hidden_effects.plan import NOTHING, OUTSIDE
 from testbed.outputs import Json
 
 PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
+
+VERDICTS = ("complete", "unexplained")
 
 STAGES = ("before", "calibrated", "after")
 RIGHT, WRONG = "tab:blue", "tab:red"
@@ -52,10 +55,12 @@ def plot_confusion(ax: Axes, table: Mapping[str, Mapping[str, int]]) -> None:
         ax: to draw on.
         table: true kind -> named kind or verdict -> count.
     """
-    true = list(table)
-    named = sorted({name for row in table.values() for name in row}, key=lambda n: (n not in true, n))
-    order = [name for name in true if name in named] + [name for name in named if name not in true]
-    counts = np.array([[row.get(name, 0) for name in order] for row in table.values()])
+    classes = [name for name in (NOTHING, OUTSIDE) if name in table]
+    true = [*(name for name in table if name not in classes), *classes]
+    kinds = [name for name in true if name not in classes]
+    named = {name for row in table.values() for name in row}
+    order = [*kinds, *sorted(named - {*kinds, *VERDICTS}), *VERDICTS]
+    counts = np.array([[table[kind].get(name, 0) for name in order] for kind in true])
     ax.imshow(counts / counts.sum(axis=1, keepdims=True), cmap="Blues", vmin=0.0, vmax=1.0, aspect="auto")
     for (i, j), count in np.ndenumerate(counts):
         if count:
@@ -74,16 +79,18 @@ def plot_calibration(ax: Axes, rows: Sequence[Json]) -> None:
         ax: to draw on.
         rows: ``believed``, ``right`` and ``cases`` of each bin.
     """
-    believed = [row["believed"] for row in rows]
-    shares = [row["right"] / row["cases"] for row in rows]
+    place = np.arange(len(rows))
+    believed = np.array([row["believed"] for row in rows])
+    shares = np.array([row["right"] / row["cases"] for row in rows])
     intervals = np.array([interval_of(row["right"], row["cases"]) for row in rows])
-    spread = np.abs(intervals.T - np.array(shares))
-    ax.plot([0.0, 1.0], [0.0, 1.0], color="0.6", linewidth=1.0)
-    ax.errorbar(believed, shares, spread, fmt="o", color=RIGHT, capsize=3)
-    for x, y, row in zip(believed, shares, rows, strict=True):
-        ax.annotate(str(row["cases"]), (x, y), xytext=(-6, 6), textcoords="offset points", ha="right", fontsize=8)
-    ax.set(xlim=(0.0, 1.05), ylim=(0.0, 1.05), xlabel="probability of the first effect [-]", ylabel="share right [-]")
-    ax.set_title("cases of one effect: how many, and the 95 % interval", fontsize=10)
+    ax.plot(place, believed, "_", color="black", markersize=22, label="believed, mean")
+    ax.errorbar(place, shares, np.abs(intervals.T - shares), fmt="o", color=RIGHT, capsize=3, label="right")
+    ticks = [f"{row['believed']:.4g}\n{row['right']} of {row['cases']}" for row in rows]
+    ax.set_xticks(place, ticks, fontsize=8)
+    ax.set(xlim=(-0.5, len(rows) - 0.5), ylim=(0.0, 1.05), ylabel="share [-]")
+    ax.set_xlabel("probability of the first effect, and how often it is there")
+    ax.set_title("cases in which an effect was named, 95 % intervals", fontsize=10)
+    ax.legend(fontsize=8, loc="lower right")
 
 
 def plot_held_out(ax: Axes, rows: Sequence[Json]) -> None:
@@ -126,8 +133,9 @@ def plot_detection(ax: Axes, detection: Json) -> None:
             ax.plot(limit["snr_db"], [limit["ratio"]] * 2, color="black", linewidth=1.2)
     ax.plot([], [], color="black", linewidth=1.2, label="from here on 90 % are right")
     ax.set_yscale("log")
+    ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0)))
     ax.yaxis.set_major_formatter(PLAIN)
-    ax.yaxis.set_minor_formatter(PLAIN)
+    ax.yaxis.set_minor_formatter(NullFormatter())
     ax.set(xlabel="SNR of the channels [dB]", ylabel="calibrated error / noise [-]")
     ax.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
@@ -147,6 +155,6 @@ def plot_seconds(ax: Axes, seconds: Json) -> None:
     ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     ax.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
     ax.xaxis.set_minor_formatter(NullFormatter())
-    threads = " or ".join(str(n) for n in seconds["threads"])
-    ax.set(xlabel=f"seconds of a diagnosis, {threads} thread(s)", ylabel="cases")
+    ax.yaxis.set_major_locator(MaxNLocator(integer=True))
+    ax.set(xlabel=f"seconds of a diagnosis, {threads_of(seconds)}", ylabel="cases")
     ax.legend(fontsize=8)

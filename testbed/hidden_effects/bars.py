@@ -61,6 +61,16 @@ def interval_of(hits: int, cases: int) -> tuple[float, float]:
     return float(low), float(high)
 
 
+def threads_of(seconds: Json) -> str:
+    """On how many threads each diagnosis ran, in words.
+
+    Args:
+        seconds: of ``summary.json``.
+    """
+    counts = seconds["threads"] or [0]
+    return f"{' or '.join(str(n) for n in counts)} {'thread' if counts == [1] else 'threads'} each"
+
+
 def bars_of(figures: Json) -> list[Json]:
     """All bars as plain values.
 
@@ -87,7 +97,14 @@ def bars_of(figures: Json) -> list[Json]:
             upper=0.98,
             is_share=True,
         ),
-        Bar("seconds of a diagnosis, median", seconds["median"], 60.0, 20.0, seconds["cases"], least=False),
+        Bar(
+            f"seconds of a diagnosis, median, {threads_of(seconds)}",
+            seconds["median"],
+            60.0,
+            20.0,
+            seconds["cases"],
+            least=False,
+        ),
         Bar("cases", float(figures["cases"]), 200.0, 200.0, figures["cases"]),
         Bar("of them with nothing hidden", float(nothing["cases"]), 50.0, 50.0, nothing["cases"]),
     )

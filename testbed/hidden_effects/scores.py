@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from testbed.hidden_effects.bars import bars_of
+from testbed.hidden_effects.judge import NEAR
 from testbed.hidden_effects.plan import NOTHING, OUTSIDE, TWO
 from testbed.hidden_effects.sets import FEW, MANY, SETS
 from testbed.outputs import Json
@@ -52,7 +53,7 @@ def summary_of(cases: Sequence[Json], case_set: str) -> Json:
         "missed_silently": sum(c["judged"]["verdict"] == "complete" for c in done if c["hidden"]),
         "place_errors": [c["judged"]["place_error"] for c in done if c["judged"]["place_error"] is not None],
         "numbers": numbers(done),
-        "calibration": calibration([c for c in done if class_of(c) == ONE]),
+        "calibration": calibration([c for c in done if c["judged"]["verdict"] == "missing_effect"]),
         "held_out": held_out([c for c in done if class_of(c) != CLASSES[OUTSIDE]]),
         "detection": detection([c for c in done if class_of(c) == ONE]),
         "seconds": seconds(done),
@@ -138,19 +139,30 @@ def numbers(cases: Sequence[Json]) -> Json:
 
 
 def calibration(cases: Sequence[Json]) -> list[Json]:
-    """How often the first effect is right where the diagnosis believes in it so much.
+    """How often the first effect is there where the diagnosis believes in it so much.
 
     Args:
-        cases: of one effect, done.
+        cases: in which an effect was named.
     """
-    named = [c["judged"] for c in cases if c["judged"]["probability"] is not None]
+    named = [(c["judged"]["probability"], first_is_there(c)) for c in cases if c["judged"]["probability"] is not None]
     rows = []
     for low, high in pairwise(PROBABILITY_EDGES):
-        inside = [j for j in named if low <= j["probability"] < high or (high == 1.0 == j["probability"])]
+        inside = [(p, there) for p, there in named if low <= p < high or (high == 1.0 == p)]
         if inside:
-            believed = float(np.mean([j["probability"] for j in inside]))
-            rows.append({"believed": believed, "right": sum(j["right"] for j in inside), "cases": len(inside)})
+            believed = float(np.mean([p for p, _ in inside]))
+            rows.append({"believed": believed, "right": sum(there for _, there in inside), "cases": len(inside)})
     return rows
+
+
+def first_is_there(case: Json) -> bool:
+    """Whether the effect that was named first is hidden in the rig, of two whichever.
+
+    Args:
+        case: done, in which an effect was named.
+    """
+    result = case["judged"]
+    near = result["place_error"] is None or result["place_error"] <= NEAR
+    return bool(result["kind_right"] and near) if class_of(case) == CLASSES[TWO] else bool(result["right"])
 
 
 def held_out(cases: Sequence[Json]) -> Json:
@@ -183,16 +195,18 @@ def detection(cases: Sequence[Json]) -> Json:
     limits = []
     for low, high in pairwise(SNR_EDGES):
         inside = sorted((r for r in rows if low <= r["snr_db"] <= high), key=lambda row: row["ratio"])
-        limits.append({"snr_db": [low, high], "cases": len(inside), "ratio": _limit(inside)})
+        first = _limit(inside)
+        ratio = None if first is None else inside[first]["ratio"]
+        limits.append({"snr_db": [low, high], "cases": len(inside), "ratio": ratio, "is_least": first == 0})
     return {"rows": rows, "limits": limits}
 
 
-def _limit(rows: Sequence[Json]) -> float | None:
-    """Least size from which on enough of the cases are right; None where no size is."""
-    for first in range(len(rows)):
+def _limit(rows: Sequence[Json]) -> int | None:
+    """The first case that is right and from which on enough of them are, by size; None where none is."""
+    for first, row in enumerate(rows):
         beyond = rows[first:]
-        if sum(row["right"] for row in beyond) >= RELIABLY * len(beyond):
-            return float(beyond[0]["ratio"])
+        if row["right"] and sum(row["right"] for row in beyond) >= RELIABLY * len(beyond):
+            return first
     return None
 
 

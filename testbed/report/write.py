@@ -77,6 +77,8 @@ def _content(diagnosis: Diagnosis, rig: Rig, provenance: Provenance) -> dict[str
     candidates = candidate_rows(diagnosis)
     shown, learned = shown_records(diagnosis), diagnosis.final.score.records
     contradictions = [finding.words for finding in diagnosis.calibration]
+    frfs, forces = frf_pictures(diagnosis, rig), force_pictures(diagnosis, rig)
+    place = place_picture(diagnosis, rig)
     return {
         "verdict": diagnosis.verdict,
         "verdict_title": TITLES[diagnosis.verdict],
@@ -91,11 +93,14 @@ def _content(diagnosis: Diagnosis, rig: Rig, provenance: Provenance) -> dict[str
         "candidates": candidates[:CANDIDATES],
         "more_candidates": candidates[CANDIDATES:],
         "groups": group_rows(diagnosis),
-        "frfs": frf_pictures(diagnosis, rig),
+        "evidence": None
+        if diagnosis.verdict == "complete"
+        else next(iter((*filter(None, [place]), *forces, *frfs)), None),
+        "frfs": frfs,
         "maps": map_pictures(diagnosis, rig),
-        "place": place_picture(diagnosis, rig),
+        "place": place,
         "located": diagnosis.located,
-        "forces": force_pictures(diagnosis, rig),
+        "forces": forces,
         "records": record_rows(diagnosis, rig),
         "channels": channel_rows(diagnosis),
         "modes": mode_tables(diagnosis),

@@ -1,5 +1,6 @@
 """The place of the missing force in the report and in diagnosis.json."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -60,6 +61,32 @@ def test_the_report_shows_words_profile_and_shape(diagnosis, tmp_path):
     assert WORDS[1:] in page
     assert "<li>it follows the displacement (83%)</li>" in page
     assert f"Place of the missing force: {WORDS}" in page
+
+
+def pictures_of(diagnosis, folder):
+    """The pictures of the page, in order, and which of them stand before its sections."""
+    page = write_report(diagnosis, read_rig(RIG), folder, provenance(RIG, [], 0, "testbed diagnose")).read_text()
+    above, below = page.split("<main>")
+    return [re.findall('<img [^>]*alt="([^"]*)"', part) for part in (above, below)]
+
+
+def test_the_picture_that_shows_the_verdict_stands_under_it_and_nowhere_else(diagnosis, tmp_path):
+    above, below = pictures_of(diagnosis, tmp_path)
+    assert above[1:] == [f"Place of the missing force: {WORDS}"]
+    assert not set(above) & set(below)
+
+    above, below = pictures_of(replace(diagnosis, located=None), tmp_path)
+    assert above[1:] == ["Missing force at sleeve 2"]
+    assert not set(above) & set(below)
+
+
+def test_of_a_complete_model_the_error_is_the_picture(diagnosis, tmp_path):
+    nothing = replace(
+        diagnosis, verdict="complete", added=(), candidates=(), indistinguishable=(), stages=diagnosis.stages[:2]
+    )
+    above, below = pictures_of(nothing, tmp_path)
+    assert [text.split(":")[0] for text in above] == ["Error by model"]
+    assert f"Place of the missing force: {WORDS}" in below
 
 
 def test_without_a_place_neither_speaks_of_one(tmp_path):

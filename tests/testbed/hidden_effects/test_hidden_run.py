@@ -78,8 +78,9 @@ def test_earlier_batches_count_and_other_seeds_do_not(tmp_path):
     assert summary["cases"] == 7
     assert summary["batches"][str(earlier)]["classes"]["nothing hidden"] == {"right": 1, "cases": 1}
     page = (tmp_path / "README.md").read_text()
-    assert f"| {earlier} | 1 | 0 of 0 | 1 of 1 |" in page
-    assert REPORTED.batches[earlier] in page
+    batch = REPORTED.batches[earlier]
+    assert f"| {earlier} | {batch.diagnosis} | 1 | 0 of 0 | 1 of 1 |" in page
+    assert batch.taught in page
 
 
 def test_a_case_that_failed_is_kept_and_tried_again(tmp_path):

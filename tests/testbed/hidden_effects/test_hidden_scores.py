@@ -31,7 +31,10 @@ def test_where_every_bar_is_met_none_is_missed():
         ("the same, 90th", lambda c: made_up(c["kind"], c["number"], after=1.0 if c["number"] % 5 else 1.6)),
         ("numbers inside", lambda c: made_up(c["kind"], c["number"], inside=True)),
         ("numbers inside", lambda c: made_up(c["kind"], c["number"], inside=c["number"] % 8 != 0)),
-        ("seconds", lambda c: c | {"seconds": {"draw": 1.0, "diagnosis": 61.0, "threads": 2}}),
+        (
+            "seconds of a diagnosis, median, 2 threads each",
+            lambda c: c | {"seconds": {"draw": 1.0, "diagnosis": 61.0, "threads": 2}},
+        ),
         ("cases", lambda c: c if c["case"] != f"reported-{SEED}-two-0" else None),
         ("of them with nothing", lambda c: c if c["case"] != f"reported-{SEED}-nothing-0" else None),
     ],
@@ -78,17 +81,44 @@ def test_false_alarms_abstentions_and_silent_misses_are_told_apart():
     }
 
 
+def named_wrongly(kind, number, probability):
+    """A case in which an effect is named that is not there."""
+    case = made_up(kind, number, right=False, named="wear")
+    case["judged"] |= {"verdict": "missing_effect", "probability": probability}
+    return case
+
+
 def test_belief_is_held_against_how_often_it_is_right():
-    cases = [made_up("point_mass", n, right=n > 0) for n in range(5)]
+    cases = [made_up("point_mass", n) for n in range(4)] + [named_wrongly("point_mass", 9, 0.6)]
     rows = summary_of(cases, "reported")["calibration"]
     assert [(row["believed"], row["right"], row["cases"]) for row in rows] == [(0.6, 0, 1), (pytest.approx(0.97), 4, 4)]
+
+
+def test_false_alarms_and_imitations_count_against_the_belief():
+    cases = [made_up("point_mass", 0), named_wrongly("outside", 0, 0.96), named_wrongly("nothing", 0, 0.98)]
+    (row,) = summary_of(cases, "reported")["calibration"]
+    assert (row["believed"], row["right"], row["cases"]) == (pytest.approx(0.97), 1, 3)
+
+
+@pytest.mark.parametrize(("place_error", "there"), [(None, 1), (0.01, 1), (0.3, 0)])
+def test_of_two_effects_the_first_has_to_be_there(place_error, there):
+    case = made_up("two", 0, right=False)
+    case["judged"] |= {"verdict": "missing_effect", "probability": 1.0, "kind_right": True, "place_error": place_error}
+    (row,) = summary_of([case], "reported")["calibration"]
+    assert (row["right"], row["cases"]) == (there, 1)
 
 
 def test_the_detection_limit_is_the_size_from_which_on_nine_of_ten_are_right():
     cases = [made_up("point_mass", 6 * n, right=n >= 4, ratio=2.0 + n) for n in range(20)]  # all at 40 dB
     low, high = summary_of(cases, "reported")["detection"]["limits"]
-    assert low["ratio"] == 5.0  # of the 17 from the fourth on one is missed
+    assert low["ratio"] == 6.0  # from the third on 16 of 17 would be, but the limit is no miss
+    assert not low["is_least"]
     assert high["ratio"] is None
+
+
+def test_where_the_smallest_is_right_the_limit_lies_below():
+    low, _ = summary_of([made_up("point_mass", 6 * n) for n in range(3)], "reported")["detection"]["limits"]
+    assert low["is_least"]
 
 
 def test_without_a_case_no_bar_is_missed_but_those_that_count_cases():
