@@ -45,6 +45,9 @@ FRAME = Rig(
 """The authors' start values. Where the base drives, mass, stiffness, damping and friction can be scaled together: no
 force is measured. The scale is the mass, which was weighed."""
 
+GIVEN = next(parameter for parameter in FRAME.parameters() if parameter.path == "stiffness")
+"""The authors' stiffness and its tolerance."""
+
 
 @dataclass(frozen=True, eq=False)
 class Halves:
@@ -96,6 +99,20 @@ class FrictionFrame:
     elsewhere: Mapping[int, Mapping[int, float]]
 
     @property
+    def reasons(self) -> tuple[str, str, str]:
+        """Why the linear model that nobody holds is refused, though it fits better than the one that is held."""
+        loose = [row.loose[0] for row in self.rows]
+        sigmas = [sigmas_of(stiffness) for stiffness in loose]
+        times = [row.loose[1] / row.updated for row in self.rows]
+        off = f"{min(sigmas):.0f} to {max(sigmas):.0f} standard deviations off the authors' {GIVEN.value:.0f} N/m"
+        more = f"{min(times):.1f} to {max(times):.1f} times what the model with friction leaves"
+        return (
+            f"Its stiffness is {off}; a diagnosis moves no number of the rig by more than {REFUSED_SIGMA:g}.",
+            f"It is another one at each weight, although the frame is the same: {', '.join(f'{k:.0f}' for k in loose)} N/m.",
+            f"On the half kept aside it leaves {more}.",
+        )
+
+    @property
     def bars(self) -> tuple[Bar, ...]:
         """What it has to reach."""
         named = {r.diagnosis.added[0].effect.kind if r.diagnosis.added else "nothing" for r in self.rows}
@@ -122,8 +139,7 @@ REFUSED_SIGMA, ROUNDING = LARGEST_SIGMA, 1e-6
 
 def sigmas_of(stiffness: float) -> float:
     """How many standard deviations of its tolerance a stiffness of the frame lies from the authors' value."""
-    parameter = next(p for p in FRAME.parameters() if p.path == "stiffness")
-    return abs(log(stiffness / parameter.value)) / parameter.tolerance
+    return abs(log(stiffness / GIVEN.value)) / GIVEN.tolerance
 
 
 def study_friction_frame(folder: Path, seed: int, jobs: int, progress: Progress) -> FrictionFrame:

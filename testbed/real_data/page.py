@@ -133,6 +133,10 @@ def frame_page(study: FrictionFrame, command: str) -> str:
         for r in study.rows:
             there = " | ".join(f"{error:.3f}" for error in study.elsewhere[r.weight].values())
             yield f"| {r.weight} g | {r.loose[0]:.0f} | {sigmas_of(r.loose[0]):.0f} | {there} |"
+        yield ""
+        yield "It fits better than the linear model within its tolerances, and is refused:"
+        yield ""
+        yield from (f"- {reason}" for reason in study.reasons)
         for r in study.rows:
             yield ""
             yield f"## {r.weight} g"

@@ -1,5 +1,8 @@
 """What the studies say where a published file is missing or is another one, and what their smaller parts compute."""
 
+from math import exp
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.io import savemat
@@ -9,7 +12,7 @@ from testbed.cli.app import main
 from testbed.real_data.bars import Bar, bars_table
 from testbed.real_data.bolted_beam import read_levels, rig_of
 from testbed.real_data.files import read_variables
-from testbed.real_data.friction_frame import predicted_force, read_halves, sigmas_of
+from testbed.real_data.friction_frame import FrictionFrame, predicted_force, read_halves, sigmas_of
 
 STUDIES = ("silverbox", "friction-frame", "bolted-beam")
 
@@ -96,3 +99,12 @@ def test_a_bar_is_kept_or_not():
     assert [bar.met for bar in bars] == [True, False, True, False]
     assert "**no**" in list(bars_table(bars))[3]
     assert bars[1].json()["met"] is False
+
+
+def test_the_absurd_linear_fit_is_refused_with_reasons_made_of_its_numbers():
+    loose = ((250, 1191.0 * exp(-2.0), 0.30, 0.10), (350, 1191.0 * exp(-3.0), 0.60, 0.05))
+    rows = [SimpleNamespace(weight=w, loose=(k, error), updated=updated) for w, k, error, updated in loose]
+    stiffness, weights, aside = FrictionFrame(rows, 1.3, 0.01, {}).reasons
+    assert "100 to 150 standard deviations off the authors' 1191 N/m" in stiffness  # 2 and 3 over the 2 % of tolerance
+    assert "161, 59 N/m" in weights
+    assert "3.0 to 12.0 times" in aside
