@@ -105,10 +105,11 @@ class FrictionFrame:
         sigmas = [sigmas_of(stiffness) for stiffness in loose]
         times = [row.loose[1] / row.updated for row in self.rows]
         off = f"{min(sigmas):.0f} to {max(sigmas):.0f} standard deviations off the authors' {GIVEN.value:.0f} N/m"
+        each = ", ".join(f"{stiffness:.0f}" for stiffness in loose)
         more = f"{min(times):.1f} to {max(times):.1f} times what the model with friction leaves"
         return (
             f"Its stiffness is {off}; a diagnosis moves no number of the rig by more than {REFUSED_SIGMA:g}.",
-            f"It is another one at each weight, although the frame is the same: {', '.join(f'{k:.0f}' for k in loose)} N/m.",
+            f"It is another one at each weight, although the frame is the same: {each} N/m.",
             f"On the half kept aside it leaves {more}.",
         )
 

@@ -11,7 +11,12 @@ from identification.established import NO_LAW
 from identification.hypothesis import Hypothesis
 from models.effects import EFFECTS, Place
 from models.effects.cubic_stiffness import CubicStiffness
+from models.effects.force_gain import ForceGain
+from models.effects.mains_hum import MainsHum
+from models.effects.sensor_delay import SensorDelay
 from models.effects.sensor_gain import SensorGain
+from models.effects.sensor_position import SensorPosition
+from models.effects.squeeze_film import SqueezeFilm
 
 BUILT = moved(REFERENCE, 0.5, -0.4, 0.3, 0.5, -0.5, 0.4, -0.6, 0.3, -0.2)
 """The beam as it was built, within the tolerances of its description."""
@@ -39,19 +44,51 @@ def test_where_nothing_is_hidden_the_model_is_complete():
     assert any("complete" in decision for decision in found.decisions)
 
 
-@pytest.mark.slow
-def test_a_sensor_that_reads_wrong_is_found():
-    truth = Hypothesis(REFERENCE, BUILT.values, effects=(SensorGain(Place(sensor="P4"), gain=0.8),))
+P4 = Place(sensor="P4")
+FAULTS = (
+    SensorGain(P4, gain=0.8),
+    SensorGain(P4, gain=-1.0),
+    SensorDelay(P4, delay=3e-4),
+    SensorPosition(P4, position=REFERENCE.sensor("P4").position + 0.04),
+    ForceGain(Place(), gain=1.1),
+    MainsHum(Place(), frequency=50.0, amplitude=0.3),
+)
+MEASUREMENT = few(*(kind for kind, cls in EFFECTS.items() if cls.family == "measurement"), "point_mass")
 
-    found = learnt_from(truth, REFERENCE, rms=2.0, registry=few("sensor_gain", "point_mass", "force_gain"))
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fault", FAULTS, ids=["weak", "upside down", "late", "displaced", "force", "hum"])
+def test_a_fault_of_the_measurement_is_named_with_its_size(fault):
+    truth = Hypothesis(REFERENCE, BUILT.values, effects=(fault,))
+
+    found = learnt_from(truth, REFERENCE, rms=2.0, registry=MEASUREMENT)
 
     assert found.verdict == "missing_effect"
     (added,) = found.added
-    assert (added.effect.kind, added.effect.place.sensor) == ("sensor_gain", "P4")
-    (gain,) = added.estimates
-    assert abs(gain.value - 0.8) < max(4.0 * gain.std, 0.004)
+    assert (added.effect.kind, added.effect.place.sensor) == (fault.kind, fault.place.sensor)
+    ((name, about),) = list(fault.fitted_parameters())[:1]
+    estimate = next(each for each in added.estimates if each.name == name)
+    true = fault.fitted_values()[0]
+    assert abs(estimate.value - true) < max(4.0 * estimate.std, 0.005 * abs(true)), about
     assert added.probability > 0.9
-    assert found.candidates[0].effect.kind == "sensor_gain"
+    assert found.candidates[0].effect.kind == fault.kind
+
+
+@pytest.mark.slow
+def test_two_effects_are_found_one_after_the_other():
+    film, gain = SqueezeFilm(Place(sleeve="sleeve 2"), damping=15.0), SensorGain(P4, gain=0.9)
+    truth = Hypothesis(REFERENCE, BUILT.values, effects=(film, gain))
+    kinds = few("squeeze_film", "point_damping", "point_mass", "sensor_gain", "gap_offset")
+
+    found = learnt_from(truth, REFERENCE, rms=4.0, registry=kinds, holdout=(7,))
+
+    assert found.verdict == "missing_effect"
+    numbers = {(a.effect.kind, a.effect.place.sleeve or a.effect.place.sensor): a.estimates[0] for a in found.added}
+    assert set(numbers) == {("squeeze_film", "sleeve 2"), ("sensor_gain", "P4")}
+    for (kind, _), true in zip(sorted(numbers), (0.9, 15.0), strict=True):
+        (estimate,) = [each for key, each in numbers.items() if key[0] == kind]
+        assert abs(estimate.value - true) < max(4.0 * estimate.std, 0.005 * true)
+    assert found.holdout["updated"].nrmse < 1.2 * found.holdout["updated"].noise_nrmse
 
 
 @pytest.mark.parametrize(
