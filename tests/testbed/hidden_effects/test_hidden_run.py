@@ -1,6 +1,9 @@
 """The command over files: what is there is kept, what failed is tried again, and the exit status tells."""
 
 import json
+from multiprocessing import get_context
+from signal import SIGKILL
+from time import monotonic, sleep
 
 import pytest
 from made_up_cases import failed, made_up
@@ -45,17 +48,28 @@ def test_every_case_has_its_file_and_the_page_its_figures(tmp_path):
     assert json.loads((tmp_path / "summary.json").read_text())["missed"]
 
 
+def two_then_never(task, threads):
+    """As quick as the others for two cases, and then at it for good."""
+    if task in TASKS[2:]:
+        sleep(600.0)
+    return quick(task, threads)
+
+
+def run_for_good(out):
+    run(out, run_case=two_then_never)
+
+
 def test_a_run_that_was_killed_goes_on_without_losing_a_finished_case(tmp_path):
-    class KilledError(BaseException):
-        pass
-
-    def dying(tasks, run, threads):
-        yield from ((task, run(task, threads)) for task in tasks[:4])
-        raise KilledError
-
-    with pytest.raises(KilledError):
-        run(tmp_path, dying)
-    assert len(list((tmp_path / "cases").iterdir())) == 4
+    process = get_context("spawn").Process(target=run_for_good, args=(tmp_path,))
+    process.start()
+    until = monotonic() + 60.0
+    while len(list((tmp_path / "cases").glob("*.json"))) < 2 and monotonic() < until:
+        sleep(0.05)
+    process.kill()
+    process.join()
+    assert process.exitcode == -SIGKILL
+    kept = {file: file.read_bytes() for file in (tmp_path / "cases").iterdir()}
+    assert {file.name for file in kept} == {f"{task.name}.json" for task in TASKS[:2]}
     again = []
 
     def counting(task, threads):
@@ -63,9 +77,10 @@ def test_a_run_that_was_killed_goes_on_without_losing_a_finished_case(tmp_path):
         return quick(task, threads)
 
     summary, told = run(tmp_path, run_case=counting)
-    assert again == list(TASKS[4:])
-    assert told[0] == "4 of 6 cases are there, 2 to do"
+    assert again == list(TASKS[2:])
+    assert told[0] == "2 of 6 cases are there, 4 to do"
     assert summary["cases"] == 6
+    assert all(file.read_bytes() == content for file, content in kept.items())
 
 
 def test_earlier_batches_count_and_other_seeds_do_not(tmp_path):
