@@ -148,3 +148,8 @@ def test_a_figure_has_three_panels_in_a_row_that_nothing_overlaps(bench):
     figure = effect_figure(shown)
     assert len(figure.axes) == len(shown.panels) == 2 * COLUMNS
     assert shown.title.startswith("point_stiffness at 0.880 m: ")
+
+
+def test_a_table_over_time_is_shown_with_ends_that_differ(bench):
+    shown = example_of(EFFECTS["time_varying_damping"], bench)
+    assert max(shown.values[0], shown.values[-1]) > 3.0 * min(shown.values[0], shown.values[-1])
