@@ -74,12 +74,15 @@ def frame_figure(study: FrictionFrame) -> Figure:
     force.set_ylabel("friction force [N]")
     force.legend(fontsize=8, frameon=False)
     last = study.rows[-1]
-    motion.plot(last.measured[:SHOWN], color=MEASURED, label="measured")
-    motion.plot(last.predicted[:SHOWN], color=COLOURS["updated"], linestyle="--", label="predicted with what was found")
-    motion.set_xlabel("sample of the half kept aside")
+    time = np.arange(SHOWN) / last.fs
+    motion.plot(time, last.measured[:SHOWN], color=MEASURED, label="measured")
+    found = "predicted with what was found"
+    motion.plot(time, last.predicted[:SHOWN], color=COLOURS["updated"], linestyle="--", label=found)
+    motion.set_xlabel("time in the half kept aside [s]")
     motion.set_ylabel("top [mm]")
+    motion.margins(y=0.25)
     motion.set_title(f"{last.weight} g", loc="left", fontsize=10)
-    motion.legend(fontsize=8, frameon=False)
+    motion.legend(fontsize=8, frameon=False, loc="upper right", ncols=2)
     _errors(errors, study)
     return figure
 
@@ -90,8 +93,9 @@ def _errors(ax: Axes, study: FrictionFrame) -> None:
     for number, (name, colour) in enumerate(zip(names, (PALETTE[i] for i in (0, 1, 4, 2)), strict=True)):
         values = [_error_of(row, number) for row in study.rows]
         bars = ax.bar(place + 0.2 * number - 0.3, values, 0.19, color=colour, label=name)
-        ax.bar_label(bars, [f"{value:.2f}" for value in values], fontsize=7)
+        ax.bar_label(bars, [f"{value:.2f}" for value in values], fontsize=6, rotation=90, padding=2)
     ax.set_xticks(place, [f"{row.weight} g" for row in study.rows])
+    ax.margins(y=0.12)
     ax.set_ylabel("rms error on the half kept aside [mm]")
     ax.legend(fontsize=8, frameon=False)
 

@@ -68,6 +68,7 @@ class WeightResult:
         force, std: of the friction, N.
         given, linear, updated: rms error on the second half, mm: as given, calibrated linear, and with what was found.
         loose: stiffness, N/m, of a linear model whose tolerances were taken away, and its rms error, mm.
+        fs: Hz.
         measured, predicted: (N,) mm, the second half.
     """
 
@@ -79,6 +80,7 @@ class WeightResult:
     linear: float
     updated: float
     loose: tuple[float, float]
+    fs: float
     measured: FloatArray
     predicted: FloatArray
 
@@ -233,6 +235,7 @@ def _result_of(test: Halves, seed: int) -> WeightResult:
         linear,
         updated,
         (stiffness.stiffness, bad),
+        test.second.fs,
         measured,
         left[2],
     )
