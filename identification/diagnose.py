@@ -229,6 +229,7 @@ def _ended(
         stages.append(session.stage(f"- {effect.label()}", final.hypothesis))
         weighed = [rounds.pop(index)]
         asked.pop(index)
+        del rounds[len(final.hypothesis.effects) :]  # what was weighed beside it and not taken
 
 
 def _open(

@@ -10,7 +10,7 @@ from math import inf
 
 from identification.calibrate import Windows, beginning, calibrate, concerning
 from identification.evaluate import Evaluator
-from identification.evidence import Ranked, misfit_in_common, with_evidence
+from identification.evidence import LEAST_EVIDENCE, Ranked, log_fit, misfit_in_common, misfit_of, with_evidence
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, free_place, own_unknowns
 from identification.in_step import tried_with
@@ -172,9 +172,14 @@ def without_last(hypothesis: Hypothesis, n_effects: int = 1) -> Hypothesis:
 
 
 def begun_at_leader(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], effects: Iterable[Effect]) -> list[Ranked]:
-    """Effects begun beside the first one's numbers of the rig, refitted where they come near what it leaves."""
+    """Effects begun beside the first one's numbers of the rig, refitted where they come near what it leaves.
+
+    A kind of which a row explains as much as the first is left out; one that is merely near may have been stopped in a
+    valley beside its own, or at another place.
+    """
     leader, rows = ranked[0].fit, []
-    as_good = {row.effect.kind for row in ranked if row.fit.ratio < RULED_OUT * leader.ratio}
+    scale = misfit_of(leader)
+    as_good = {row.effect.kind for row in ranked if log_fit(leader, scale) - log_fit(row.fit, scale) < LEAST_EVIDENCE}
     for effect in effects:
         if effect.kind in as_good:
             continue

@@ -9,7 +9,7 @@ import numpy as np
 from identification.assess import score
 from identification.calibrate import strained, unknowns_of
 from identification.consistency.find import pushed_out
-from identification.evaluate import Evaluator
+from identification.evaluate import Evaluator, Target, TimeTarget, carry_noise
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, effect_unknowns
 from identification.prepare import LEAST_TORN, Horizon, cut_to, horizons, resolved
@@ -31,6 +31,9 @@ MOST_COARSE = 2.0
 
 CLEARLY_LESS = 0.8
 """Share of the seconds that were fitted of a record, below which a fit of what is predicted is another one."""
+
+CLEARLY_LOUDER = 1.05
+"""Times the noise so far; less would change no verdict."""
 
 COARSEST = 2
 """Steps per sample of the search at least; the model's own choice is finer."""
@@ -68,6 +71,9 @@ class Session:
     _ended: tuple[Evaluator, Fit, Fit] | None = None
     _out: tuple[Fit, bool] | None = None
 
+    def __post_init__(self) -> None:
+        self._as_given = self.everything
+
     def stage(self, label: str, hypothesis: Hypothesis) -> Stage:
         """A model on the way, with its errors on whole records, told.
 
@@ -103,12 +109,14 @@ class Session:
         """
         if self._ended is None or self._ended[0] is not self.everything or self._ended[1] is not result:
             self._foresee(result.hypothesis)
-            whole = self.all_predicted
-            unknowns = (*unknowns_of(result.hypothesis, whole), *effect_unknowns(result.hypothesis))
-            self.progress(f"fit on all {whole.extent}")
-            ended = fit(whole, result.hypothesis, unknowns, max_iterations=LAST_ITERATIONS, tolerance=0.0, precise=True)
-            self._ended = self.everything, result, ended
+            self._ended = self.everything, result, self._fit_of_all(result.hypothesis)
         return self._ended[2]
+
+    def _fit_of_all(self, hypothesis: Hypothesis) -> Fit:
+        whole = self.all_predicted
+        unknowns = (*unknowns_of(hypothesis, whole), *effect_unknowns(hypothesis))
+        self.progress(f"fit on all {whole.extent}")
+        return fit(whole, hypothesis, unknowns, max_iterations=LAST_ITERATIONS, tolerance=0.0, precise=True)
 
     def left_tolerance(self, calibrated: Fit) -> bool:
         """Whether a number had to leave its tolerance, further than the noise of the measured force explains.
@@ -177,16 +185,38 @@ class Session:
         """Fit on everything from now on, where the part used so far is explained and the whole is not.
 
         Args:
-            result: that explains the part.
+            result: that explains the part, and so carries the force's noise better than what lacks its effects.
         """
         ended, whole = self.to_the_end(result), self.all_predicted
-        if ended.n_data <= result.n_data or reaches_noise(whole, ended):
+        if ended.n_data <= result.n_data or reaches_noise(whole, ended) or self._is_noise_of(ended, result):
             return False
         self.decide(
             f"{self.fitting.extent} are explained, all {whole.extent} not: residual {ended.ratio:.2f} times the noise; "
             "all are used from here on"
         )
         self.fitting = whole
+        return True
+
+    def _is_noise_of(self, ended: Fit, result: Fit) -> bool:
+        """Whether what is left of everything is the force's noise as this model carries it, which counts from now on.
+
+        No more of it than the rig as given carries: a model that trembles at anything would excuse itself.
+        """
+        carried = carry_noise(self.everything, ended.hypothesis, np.random.default_rng(self.seed))
+        pairs = zip(carried, self._as_given.targets, strict=True)
+        louder = self.everything.with_targets([_no_louder(*pair) for pair in pairs])
+        if louder.nrmse_of_noise <= CLEARLY_LOUDER * self.everything.nrmse_of_noise:
+            return False
+        before, self.everything = self.everything, louder
+        again = self._fit_of_all(ended.hypothesis)
+        if not reaches_noise(self.all_predicted, again):
+            self.everything = before
+            return False
+        self._ended = louder, result, again
+        self.decide(
+            f"the force's noise, as this model carries it, leaves {louder.nrmse_of_noise:.2%} instead of "
+            f"{before.nrmse_of_noise:.2%}: all {self.all_predicted.extent} are explained"
+        )
         return True
 
     def kinds_at_a_place(self, rig: Rig) -> Registry:
@@ -211,6 +241,14 @@ class Session:
                 self.fitting.with_settings(Settings(self.fitting.settings.n_modes)), base.hypothesis, misfit
             )
         return self.everything.with_settings(coarse.settings)
+
+
+def _no_louder(now: Target, given: Target) -> Target:
+    """A target with the noise that it has, or with what the other one has of the excitation's, where that is less."""
+    if not (isinstance(now, TimeTarget) and isinstance(given, TimeTarget)):
+        return now
+    capped = now.with_carried(given.carried) if len(given.carried) else now.with_noise(now.noise)
+    return min(now, capped, key=lambda target: target.nrmse_of_noise)
 
 
 def _no_less(found: Sequence[Horizon], followed: Mapping[str, float]) -> list[Horizon]:

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from trial_records import OSCILLATOR, evaluator_of, measured, multisine, rising_session
 
+from identification.evaluate import carry_noise
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, rig_unknowns
 from identification.reached import reaches_noise
-from models.effects import Place
+from identification.session import Session
+from models.effects import EFFECTS, Place
 from models.effects.cubic_stiffness import CubicStiffness
 from models.effects.end_stop import EndStop
 
@@ -32,6 +34,35 @@ def test_a_part_is_enough_where_the_whole_is_explained_too():
 
     assert session.fitting.n_data == part.n_data
     assert session.decisions == []
+
+
+def shaken_session():
+    """A session on a force with much noise, none of which is carried through a model, and the same with it."""
+    session, part = rising_session(Hypothesis(OSCILLATOR), 1.0, force_noise=0.1)
+    carried = carry_noise(session.everything, part.hypothesis, np.random.default_rng(1))
+    return session, part, session.everything.with_targets(carried)
+
+
+def test_the_noise_that_the_model_itself_carries_makes_no_record_count():
+    session, part, loud = shaken_session()
+    opened = Session(loud, session.fitting, session.limits, EFFECTS, lambda _: None, 0)
+    opened.everything = session.everything  # what another model carried was next to nothing
+
+    assert not opened.lengthen(part)
+
+    assert opened.fitting is session.fitting
+    assert "the force's noise, as this model carries it" in opened.decisions[-1]
+    assert opened.everything.nrmse_of_noise == pytest.approx(loud.nrmse_of_noise, rel=0.1)
+    assert reaches_noise(opened.all_predicted, opened.to_the_end(part))
+
+
+def test_no_more_noise_is_excused_than_the_given_rig_carries():
+    session, part, _ = shaken_session()
+
+    assert session.lengthen(part)
+
+    assert session.fitting.n_data == session.all_predicted.n_data
+    assert not reaches_noise(session.all_predicted, session.to_the_end(part))
 
 
 def test_the_last_fit_is_made_once_for_the_same_records():
