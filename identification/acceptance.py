@@ -21,7 +21,7 @@ from identification.result import Verdict
 from identification.rounds import takes_away
 from identification.session import Session
 from identification.tangent_ties import is_linear
-from identification.unseen import left_unseen
+from identification.unseen import Unseen, left_unseen
 
 LEAST_SHARE = 0.25
 """An effect is added, or described in more detail, only if that takes away this share of the squared misfit beyond the
@@ -41,6 +41,10 @@ NOISE_DOUBTED = 1.25
 PREDICTS, LARGE_UNSEEN = 0.98, 2.0
 """Share of the residual not fitted that an effect may leave at most, and from which residual over noise on nothing is
 predicted any more, neither with it nor without."""
+
+DIFFERS = 0.3
+"""Difference of two models over the noise from which on the one that is right leaves less: the other leaves
+sqrt(1 + 0.3^2) = 1.04 times as much, twice what ``PREDICTS`` asks for."""
 
 
 def is_enough(session: Session, result: Fit) -> bool:
@@ -66,11 +70,11 @@ def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
         return None
     unseen = _passing(session, base, best)
     if unseen is not None:
-        session.is_passing = unseen[0] <= NOISE_DOUBTED
+        session.is_passing = unseen.before <= NOISE_DOUBTED
         session.decide(
             f"{name} takes the residual from {base.ratio:.2f} to {best.fit.ratio:.2f} times the noise where it was "
-            f"fitted, but from {unseen[0]:.2f} to {unseen[1]:.2f} times in the rest of the same records: not added, "
-            "since what is missing in a rig is there for as long as a test lasts"
+            f"fitted, but from {unseen.before:.2f} to {unseen.after:.2f} times in the rest of the same records: not "
+            "added, since what is missing in a rig is there for as long as a test lasts"
         )
         return None
     session.decide(
@@ -92,17 +96,16 @@ def tell_tangent(session: Session, added: Ranked) -> None:
         session.decide(f"{added.effect.label()} is seen by its tangent at rest alone: {AT_REST_ONLY}")
 
 
-def _passing(session: Session, base: Fit, best: Ranked) -> tuple[float, float] | None:
-    """What an effect leaves beyond the part fitted, before and after, where it explains no more than an event there.
+def _passing(session: Session, base: Fit, best: Ranked) -> Unseen | None:
+    """What an effect leaves beyond the part fitted, where it explains no more than an event there.
 
     Returns:
-        residual over noise in the rest of the same records; None where it takes something away there too.
+        None where it takes something away there too, or where the rest of the records cannot tell.
     """
-    before = left_unseen(session, base)
-    if before is None or before > LARGE_UNSEEN:
+    unseen = left_unseen(session, base, best.fit)
+    if unseen is None or unseen.before > LARGE_UNSEEN or unseen.between < DIFFERS:
         return None
-    after = left_unseen(session, best.fit)
-    return None if after is None or after < PREDICTS * before else (before, after)
+    return None if unseen.after < PREDICTS * unseen.before else unseen
 
 
 def pruned(session: Session, calibrated: Fit, found: Fit, *, newest: int) -> list[tuple[int, Fit]]:

@@ -8,6 +8,7 @@ import numpy as np
 from identification.assess import score, with_starts
 from identification.consistency.find import calibration_findings
 from identification.consistency.finding import CalibrationFinding
+from identification.evaluate import Evaluator
 from identification.evidence import (
     Ranked,
     log_without,
@@ -25,7 +26,7 @@ from identification.missing_force import forces_of
 from identification.next_experiment.propose import next_experiment
 from identification.noise_left import noise_left, with_noise
 from identification.outcome import AT_REST_ONLY, added_effects, candidates_of, groups_of, rig_estimates
-from identification.prepare import prepare
+from identification.prepare import cut_to, prepare
 from identification.result import Diagnosis, Score, Stage, Verdict
 from identification.session import Session
 from identification.unstrained import moved_back, unstrained
@@ -99,7 +100,8 @@ def concluded(
     weighed = [(first, chances), *later] if first else later
     groups = tuple(dict.fromkeys(group for ranked, odds in weighed for group in groups_of(ranked, odds)))
     session.progress("locating the force that the calibrated model lacks")
-    beside = runs_beside(session.everything, calibrated.hypothesis)
+    heard = _heard(session)
+    beside = runs_beside(heard, calibrated.hypothesis)
     forces = forces_of(beside)
     updated_maps = tuple(error_map(record) for record in stages[-1].score.records)
     proposal = next_experiment(
@@ -121,7 +123,7 @@ def concluded(
         rig_estimates=rig_estimates(polished),
         where=tuple(error_map(record) for record in calibrated.score.records),
         missing_forces=forces,
-        located=_located(session, calibrated.hypothesis, beside),
+        located=_located(session, heard, calibrated.hypothesis, beside),
         updated_maps=updated_maps,
         traces=_traces(session, polished.hypothesis),
         next_experiment=proposal,
@@ -135,10 +137,26 @@ def concluded(
     )
 
 
-def _located(session: Session, hypothesis: Hypothesis, beside: Sequence[BesideRun]) -> Located | None:
+LOCATED_SAMPLES = 150_000
+"""Of all time records that locating works on at most: it holds every line beside every way in which a force may act,
+some 20 kB a sample."""
+
+
+def _heard(session: Session) -> Evaluator:
+    """The records that a force is located in, whole unless they are very long."""
+    records = [target.record for target in session.everything.timed]
+    share = LOCATED_SAMPLES / max(1, sum(record.n_samples for record in records))
+    if share >= 1.0:
+        return session.everything
+    heard = cut_to(session.everything, share * sum(record.duration for record in records), session.limits)
+    session.decide(f"a missing force is located in {heard.extent}: more would not fit into the memory")
+    return heard
+
+
+def _located(session: Session, heard: Evaluator, hypothesis: Hypothesis, beside: Sequence[BesideRun]) -> Located | None:
     """Where the missing force acts; a model that its own numbers bring down leaves the rest of the diagnosis whole."""
     try:
-        return locate(session.everything, hypothesis, beside, session.seed)
+        return locate(heard, hypothesis, beside, session.seed)
     except ArithmeticError as lost:
         session.decide(f"the missing force was not located: {lost}")
         return None
@@ -158,15 +176,19 @@ def _held_out(
         return {}
     session.progress(f"predicting {len(holdout)} records kept aside")
     rng = np.random.default_rng(seed)
-    evaluator = prepare(updated, holdout, session.everything.jobs, rng)
-    known = with_starts(evaluator, updated)
-    residual = evaluator.residuals([(known, None)])[0]
-    if residual is not None:
-        evaluator = with_noise(evaluator, noise_left(evaluator, residual), known, rng)
-    return {
-        "as given": score(evaluator, with_starts(evaluator, given)),
-        "updated": score(evaluator, known),
-    }
+    try:
+        evaluator = prepare(updated, holdout, session.everything.jobs, rng)
+        known = with_starts(evaluator, updated)
+        residual = evaluator.residuals([(known, None)])[0]
+        if residual is not None:
+            evaluator = with_noise(evaluator, noise_left(evaluator, residual), known, rng)
+        return {
+            "as given": score(evaluator, with_starts(evaluator, given)),
+            "updated": score(evaluator, known),
+        }
+    except ArithmeticError as lost:
+        session.decide(f"the records kept aside were not predicted: {lost}")
+        return {}
 
 
 def _traces(session: Session, hypothesis: Hypothesis) -> dict[str, Trace]:

@@ -28,7 +28,8 @@ STOPPED = (0.45, 0.495)
 """Band in which a recorded signal holds nothing but noise added after the filter."""
 
 MOST_BELIEVED = 0.05
-"""Noise of a force sensor, as a share of its signal's rms, above which a quietest band is taken for signal."""
+"""Noise of a force sensor, as a share of its signal's rms, above which a quietest band is taken for signal; a quietest
+moment as a share of the loudest one's."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,13 +112,13 @@ def _excitation_noise(record: Record, period: int | None) -> tuple[float | None,
     """Standard deviation, None where the excitation hides it, and how it was found."""
     if record.excitation is None:
         return 0.0, "no excitation channel"
-    mean = float(np.mean(record.excitation**2))
-    floors = {
-        "the quietest bands of the excitation channel": quiet_floor(record.excitation).density,
-        "the quietest moments of the excitation channel": silent_floor(record.excitation).density,
-    }
-    method, floor = min(floors.items(), key=lambda pair: pair[1])
-    if floor <= MOST_BELIEVED**2 * mean:
+    loud = np.mean(record.excitation**2), _loudest(record.excitation)
+    floors = quiet_floor(record.excitation).density, silent_floor(record.excitation).density
+    methods = "the quietest bands of the excitation channel", "the quietest moments of the excitation channel"
+    rows = zip(floors, methods, loud, strict=True)
+    believed = [(floor, method) for floor, method, power in rows if floor <= MOST_BELIEVED**2 * power]
+    if believed:
+        floor, method = min(believed)
         return float(np.sqrt(floor)), method
     if period is not None:
         (density,) = _between_periods(record.excitation[None], period)
@@ -150,6 +151,12 @@ def silent_floor(channel: FloatArray) -> Floor:
     band = power[:, max(2, int(0.02 * lines)) : int(2 * SCORE_EDGE * lines)]
     free = band.shape[1] / LINES_PER_FREE_ONE_OF_HANN
     return common_floor(np.median(band, axis=1) / median_over_mean(free), free)
+
+
+def _loudest(channel: FloatArray) -> float:
+    """Mean square of the loudest moment: beside a blow the quiet ones are plain, however seldom there is one."""
+    moments = channel[: len(channel) // SEGMENT * SEGMENT].reshape(-1, SEGMENT)
+    return float(np.max(np.mean(moments**2, axis=1))) if len(moments) else float(np.mean(channel**2))
 
 
 MIN_MOMENTS = 4

@@ -5,6 +5,8 @@ several times the noise of their mean. Any law with a few numbers can be bent to
 is there for as long as the test lasts.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from identification.evaluate import TimeTarget
@@ -16,28 +18,47 @@ from models.band_limit import SCORE_EDGE
 from models.errors import DivergenceError
 
 
-def left_unseen(session: Session, found: Fit) -> float | None:
-    """Residual over noise in what was not fitted of the time records, as far as it can be predicted.
+@dataclass(frozen=True)
+class Unseen:
+    """What two models leave of what was not fitted, in the mean over the records, over the noise.
+
+    Attributes:
+        before: residual of the model without an effect.
+        after: of the one with it.
+        between: difference of the two models there; where it is small, as after a blow has rung down, the rest of the
+            records does not tell which of them is right.
+    """
+
+    before: float
+    after: float
+    between: float
+
+
+def left_unseen(session: Session, without: Fit, found: Fit) -> Unseen | None:
+    """What was not fitted of the time records, as far as it can be predicted, by a model without an effect and with it.
 
     Args:
         session: with the records.
-        found: fitted to ``session.fitting``.
+        without: fitted to ``session.fitting``, without the effect.
+        found: the same with it.
 
     Returns:
-        None where everything was fitted, or the motion leaves the finite numbers.
+        None where everything was fitted, or a motion leaves the finite numbers.
     """
     fitted = {target.record.name: target.record.n_samples for target in session.fitting.timed}
     try:
-        responses = session.everything.responses(found.hypothesis)
+        runs = [session.everything.responses(each.hypothesis) for each in (without, found)]
     except DivergenceError:
         return None
     squares = []
-    for target, limit, response in zip(session.everything.timed, session.limits, responses, strict=True):
+    for target, limit, one, other in zip(session.everything.timed, session.limits, *runs, strict=True):
         first, last = fitted.get(target.record.name, 0), round(limit.seconds * target.record.fs)
-        error = response.channels[:, first:last] - target.record.responses[:, first:last]
-        if error.shape[1] >= MIN_SAMPLES:
-            squares.append(np.mean(error**2 / _variance(target)[:, None]))
-    return float(np.sqrt(np.mean(squares))) if squares else None
+        if last - first >= MIN_SAMPLES:
+            before, after = (run.channels[:, first:last] for run in (one, other))
+            measured, variance = target.record.responses[:, first:last], _variance(target)[:, None]
+            errors = (before - measured, after - measured, before - after)
+            squares.append([np.mean(error**2 / variance) for error in errors])
+    return Unseen(*np.sqrt(np.mean(squares, axis=0)).tolist()) if squares else None
 
 
 def _variance(target: TimeTarget) -> FloatArray:

@@ -71,7 +71,7 @@ def draw_case(task: Task) -> Case:
         ArithmeticError: none of the rigs drawn has a place for what is to be hidden.
     """
     case_set = SETS[task.case_set]
-    rng = np.random.default_rng([case_set.seed, crc32(task.kind.encode()), task.number])
+    rng = np.random.default_rng([task.seed, crc32(task.kind.encode()), task.number])
     chaotic = bool(rng.random() < CHAOTIC_SHARE)
     snr_db = SNR.draw(rng)
     wanted = draw_wanted(task, rng)

@@ -31,6 +31,7 @@ A case is judged by the diagnosis as it was before anybody had looked at the cas
 mended after it, and is judged by the next batch, drawn from another seed. So the figures are those of the diagnosis on
 its way; none is of cases that it was tuned on. Of earlier diagnoses {sum(n for n, _ in BEFORE.values())} reported
 cases of {len(BEFORE)} seeds were run and looked at (`BEFORE` in `testbed/hidden_effects/sets.py`); they do not count.
+The command draws the cases of all batches again, and diagnoses those that have no file by the diagnosis as it is.
 """
 
 BELIEVED = """\

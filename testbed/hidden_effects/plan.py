@@ -36,18 +36,15 @@ class Task:
 
     Attributes:
         case_set: key of ``SETS``.
+        seed: of its batch.
         kind: of the registry, or ``NOTHING``, ``TWO`` or ``OUTSIDE``.
         number: from 0, within the kind.
     """
 
     case_set: str
+    seed: int
     kind: str
     number: int
-
-    @property
-    def seed(self) -> int:
-        """Of its set; with another one it is another case."""
-        return SETS[self.case_set].seed
 
     @property
     def about(self) -> dict[str, Any]:
@@ -61,12 +58,12 @@ class Task:
 
 
 def planned(case_set: str, cases: int, only: Sequence[str] = ()) -> tuple[Task, ...]:
-    """The first cases of the order, those of the library's kinds in turn.
+    """The first cases of the set, batch after batch, in each the library's kinds in turn.
 
     Args:
         case_set: key of ``SETS``.
         cases: how many.
-        only: classes or kinds to which the order is thinned; all where it is empty.
+        only: classes or kinds to which each batch is thinned; all where it is empty.
 
     Raises:
         InputError: a kind that is none.
@@ -76,8 +73,13 @@ def planned(case_set: str, cases: int, only: Sequence[str] = ()) -> tuple[Task, 
         if kind not in known:
             near = get_close_matches(kind, known, n=1, cutoff=0.0)[0]
             raise InputError(f"--only {kind}", f"the classes and kinds are {', '.join(known)}", f"did you mean {near}?")
-    order = ((kind, number) for kind, number in _order() if not only or kind in only)
-    return tuple(Task(case_set, kind, number) for kind, number in islice(order, cases))
+    order = (
+        Task(case_set, seed, kind, number)
+        for seed, batch in SETS[case_set].batches.items()
+        for kind, number in islice(_order(), batch.cases)
+        if not only or kind in only
+    )
+    return tuple(islice(order, cases))
 
 
 def _order() -> Iterator[tuple[str, int]]:

@@ -33,7 +33,7 @@ def run_hidden_effects(
 ) -> Json:
     """Run the cases that are not there yet, then write the scores of all cases of the set in the folder.
 
-    Cases of the set's earlier batches, of other seeds, count beside those that are run; those of any other seed do not.
+    Cases of any batch of the set count beside those that are asked for; those of a seed that is none do not.
 
     Args:
         tasks: cases of one set.

@@ -46,8 +46,10 @@ def test_a_model_that_is_right_leaves_the_noise_where_nobody_fitted():
     session = session_on(BENT)
     base, found, rows = fits_on(session)
 
-    assert left_unseen(session, found) == pytest.approx(1.0, abs=0.05)
-    assert left_unseen(session, base) > 1.15
+    unseen = left_unseen(session, base, found)
+    assert unseen.after == pytest.approx(1.0, abs=0.05)
+    assert unseen.before > 1.15
+    assert unseen.before**2 == pytest.approx(1.0 + unseen.between**2, rel=0.1)  # the noise knows of neither model
     assert accepted(session, base, rows) is not None
     assert not session.is_passing
 
@@ -66,4 +68,20 @@ def test_an_event_that_passes_is_not_explained_by_a_law():
 def test_what_was_fitted_whole_has_no_rest():
     session = session_on(BENT)
     whole = replace(session, fitting=session.everything)
-    assert left_unseen(whole, fits_on(session)[0]) is None
+    assert left_unseen(whole, *fits_on(session)[:2]) is None
+
+
+def test_a_rest_in_which_both_models_are_still_is_no_evidence_against_an_effect():
+    """A blow has rung down before the part that was not fitted begins."""
+    force = np.where(np.arange(N) < 200, 3e4 * multisine(N, rms=1.0), 0.0)
+    quick = oscillator(mass=1e-5, stiffness=1e-5, damping=0.3)
+    bent = Hypothesis(quick, effects=BENT.effects)
+    everything = evaluator_of(measured(bent, force))
+    limits = [Horizon("test", 1.0, 4.0)]
+    session = Session(everything, cut_to(everything, PART, limits), limits, EFFECTS, lambda _: None, 0)
+    base = fit(session.fitting, Hypothesis(quick), rig_unknowns(quick), precise=True)
+    found = fit(session.fitting, bent, (*rig_unknowns(quick), *effect_unknowns(bent)), precise=True)
+    assert base.ratio > 1.5
+    assert left_unseen(session, base, found).between < 0.3
+
+    assert accepted(session, base, with_evidence([Ranked.of(found)])) is not None

@@ -3,8 +3,13 @@
 from testbed.hidden_effects.plan import Task
 from testbed.hidden_effects.sets import REPORTED
 
+SEED, *_ = REPORTED.batches
+"""Seed of the first batch."""
 
-def made_up(kind, number, *, right=True, named=None, after=1.0, ratio=8.0, inside=True, engine="fine", **more):
+
+def made_up(
+    kind, number, *, seed=SEED, right=True, named=None, after=1.0, ratio=8.0, inside=True, engine="fine", **more
+):
     """One case of the set ``reported``."""
     hidden = [] if kind == "nothing" else [{"kind": kind if kind not in ("two", "outside") else "one_sided_stop"}]
     verdict = {"nothing": "complete", "outside": "unexplained"}.get(kind, "missing_effect")
@@ -14,9 +19,9 @@ def made_up(kind, number, *, right=True, named=None, after=1.0, ratio=8.0, insid
     one = kind not in ("nothing", "two", "outside")
     number_row = {"kind": kind, "name": "mass", "value": 1.02, "std": 0.01, "true": 1.0, "inside": inside}
     return {
-        "case": Task("reported", kind, number).name,
+        "case": Task("reported", seed, kind, number).name,
         "set": "reported",
-        "seed": REPORTED.seed,
+        "seed": seed,
         "kind": kind,
         "number": number,
         "engine": engine,
@@ -46,7 +51,7 @@ def made_up(kind, number, *, right=True, named=None, after=1.0, ratio=8.0, insid
 
 def failed(kind, number):
     """One that crashed."""
-    about = Task("reported", kind, number).about
+    about = Task("reported", SEED, kind, number).about
     return about | {"failure": "ValueError: nobody knows"}
 
 

@@ -106,7 +106,7 @@ def test_nothing_shows_as_the_noise_and_an_effect_as_much_as_asked(trial, built)
 
 
 def test_two_effects_are_of_two_kinds_at_two_places(trial, built):
-    task = Task("tuning", "two", 0)
+    task = Task("tuning", 11, "two", 0)
     for seed in range(6):
         rng = np.random.default_rng(seed)
         hidden = hide(task, trial, 0.007, draw_wanted(task, rng), rng)
@@ -139,11 +139,11 @@ def test_a_number_within_four_of_its_tolerances_is_nothing_that_is_missing(trial
 
 def test_a_third_of_the_sizes_is_small():
     rng = np.random.default_rng(0)
-    wanted = np.array([draw_wanted(Task("tuning", "point_mass", 0), rng)[0] for _ in range(3000)])
+    wanted = np.array([draw_wanted(Task("tuning", 11, "point_mass", 0), rng)[0] for _ in range(3000)])
     assert np.mean(wanted < 5.0) == pytest.approx(1.0 / 3.0, abs=0.035)  # four standard deviations
     assert wanted.min() >= 2.0
     assert wanted.max() <= 30.0
-    assert draw_wanted(Task("tuning", "nothing", 0), rng) == ()
+    assert draw_wanted(Task("tuning", 11, "nothing", 0), rng) == ()
 
 
 def test_a_place_is_of_the_kind_that_the_effect_takes(trial):
@@ -186,7 +186,8 @@ def test_what_an_engine_cannot_carry_is_moved_by_another_and_the_turns_go_round(
 
     monkeypatch.setattr("testbed.hidden_effects.engines.simulator", lambda name: Refusing())
     truth = Truth(built, (EFFECTS["force_gain"](Place(), gain=2.0),), MODEL, Noise(0.007, 0.007))
-    engines = [engine_for(Task("tuning", "nothing", n), trial, truth, np.random.default_rng(0))[0] for n in range(3)]
+    tasks = [Task("tuning", 11, "nothing", number) for number in range(3)]
+    engines = [engine_for(task, trial, truth, np.random.default_rng(0))[0] for task in tasks]
     assert engines == [FINE] * 3
     assert set(seen) == {1}
     assert len(seen) == len(ENGINES)  # of three turns one begins with the elements, one passes one engine, one both

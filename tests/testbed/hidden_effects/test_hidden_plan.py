@@ -20,8 +20,17 @@ def test_more_cases_begin_with_the_fewer_and_no_case_comes_twice():
     assert len(set(many)) == 200
 
 
+def test_the_batches_follow_each_other_and_each_begins_with_the_mix():
+    *full, (last, _) = REPORTED.batches.items()
+    before = sum(batch.cases for _, batch in full)
+    tasks = planned("reported", before + 60)
+    assert Counter(task.seed for task in tasks) == {seed: batch.cases for seed, batch in full} | {last: 60}
+    assert list(dict.fromkeys(task.seed for task in tasks)) == list(REPORTED.batches)
+    assert [(t.kind, t.number) for t in tasks[-60:]] == [(t.kind, t.number) for t in tasks[:60]]
+
+
 def test_the_kinds_take_turns():
-    ones = Counter(task.kind for task in planned("reported", 400) if task.kind in KINDS)
+    ones = Counter(task.kind for task in planned("tuning", 400) if task.kind in KINDS)
     assert set(ones) == set(KINDS)
     assert max(ones.values()) - min(ones.values()) <= 1
 
@@ -42,7 +51,7 @@ def test_an_unknown_kind_is_refused():
 
 def test_tuning_and_reported_cases_have_other_seeds_and_other_generators():
     assert list(SETS) == ["tuning", "reported"]
-    assert TUNING.seed != REPORTED.seed
+    assert set(TUNING.batches).isdisjoint(REPORTED.batches)
     assert TUNING.shape != REPORTED.shape
     assert TUNING.learnt != REPORTED.learnt
     assert TUNING.held != REPORTED.held

@@ -1,10 +1,7 @@
 import pytest
-from made_up_cases import every_bar_met, failed, made_up
+from made_up_cases import SEED, every_bar_met, failed, made_up
 
 from testbed.hidden_effects.scores import in_a_line, summary_of
-from testbed.hidden_effects.sets import REPORTED
-
-SEED = REPORTED.seed
 
 
 def bar(summary, name):

@@ -17,7 +17,7 @@ from testbed.hidden_effects.cluster import on_cluster
 from testbed.hidden_effects.crew import on_this_machine
 from testbed.hidden_effects.plan import Task
 
-TASKS = [Task("tuning", "nothing", number) for number in range(3)]
+TASKS = [Task("tuning", 11, "nothing", number) for number in range(3)]
 
 
 def test_a_process_that_dies_loses_its_own_case_only():
@@ -70,7 +70,7 @@ def test_real_cases_on_a_cluster_of_two_workers(cluster):
 
 
 def test_what_a_killed_worker_was_at_is_done_by_another(cluster):
-    tasks = [Task("tuning", "nothing", number) for number in range(6)]
+    tasks = [Task("tuning", 11, "nothing", number) for number in range(6)]
     work = on_cluster(cluster.scheduler_address)(tasks, slow, 1)
     (first, case) = next(work)
     before = pids(cluster)
