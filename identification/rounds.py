@@ -50,22 +50,10 @@ def look_round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
 
 
 def _view(session: Session, searching: Evaluator, base: Fit, kinds: Registry, seconds: float, most: int) -> View:
-    """So many seconds of the loudest records, the quietest and those between, and the calibrated model there.
-
-    Where they show little of what the model leaves in all that is fitted, as before a sweep comes to the walls, twice
-    as many are taken until they do.
-    """
-    while True:
-        evaluator = cut_to(searching, seconds, session.limits, most)
-        there = fit(evaluator, base.hypothesis, concerning(base, evaluator), max_iterations=1)
-        shows_it = there.ratio**2 - 1.0 > SHOWN * (base.ratio**2 - 1.0)
-        if shows_it or seconds >= sum(target.record.duration for target in session.fitting.timed):
-            return View(evaluator, there, kinds)
-        seconds *= 2.0
-
-
-SHOWN = 0.25
-"""Share of what the model leaves of a datum, beyond the noise, that a view must show."""
+    """So many seconds of the loudest records, the quietest and those between, and the calibrated model there."""
+    evaluator = cut_to(searching, seconds, session.limits, most)
+    there = fit(evaluator, base.hypothesis, concerning(base, evaluator), max_iterations=1)
+    return View(evaluator, there, kinds)
 
 
 def takes_away(base: Fit, found: Fit) -> float:
