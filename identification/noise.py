@@ -112,7 +112,7 @@ def _excitation_noise(record: Record, period: int | None) -> tuple[float | None,
     """Standard deviation, None where the excitation hides it, and how it was found."""
     if record.excitation is None:
         return 0.0, "no excitation channel"
-    loud = np.mean(record.excitation**2), _loudest(record.excitation)
+    loud = float(np.mean(record.excitation**2)), _loudest(record.excitation)
     floors = quiet_floor(record.excitation).density, silent_floor(record.excitation).density
     methods = "the quietest bands of the excitation channel", "the quietest moments of the excitation channel"
     rows = zip(floors, methods, loud, strict=True)
