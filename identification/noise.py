@@ -112,14 +112,15 @@ def _excitation_noise(record: Record, period: int | None) -> tuple[float | None,
     """Standard deviation, None where the excitation hides it, and how it was found."""
     if record.excitation is None:
         return 0.0, "no excitation channel"
-    loud = float(np.mean(record.excitation**2)), _loudest(record.excitation)
-    floors = quiet_floor(record.excitation).density, silent_floor(record.excitation).density
-    methods = "the quietest bands of the excitation channel", "the quietest moments of the excitation channel"
-    rows = zip(floors, methods, loud, strict=True)
-    believed = [(floor, method) for floor, method, power in rows if floor <= MOST_BELIEVED**2 * power]
+    force, believed = record.excitation, {}
+    bands, moments = quiet_floor(force).density, silent_floor(force).density
+    if bands <= MOST_BELIEVED**2 * np.mean(force**2):
+        believed["the quietest bands of the excitation channel"] = bands
+    if moments <= MOST_BELIEVED**2 * _loudest(force):
+        believed["the quietest moments of the excitation channel"] = moments
     if believed:
-        floor, method = min(believed)
-        return float(np.sqrt(floor)), method
+        method = min(believed, key=believed.__getitem__)
+        return float(np.sqrt(believed[method])), method
     if period is not None:
         (density,) = _between_periods(record.excitation[None], period)
         return float(np.sqrt(density)), "what does not repeat in the excitation channel"
@@ -156,7 +157,7 @@ def silent_floor(channel: FloatArray) -> Floor:
 def _loudest(channel: FloatArray) -> float:
     """Mean square of the loudest moment: beside a blow the quiet ones are plain, however seldom there is one."""
     moments = channel[: len(channel) // SEGMENT * SEGMENT].reshape(-1, SEGMENT)
-    return float(np.max(np.mean(moments**2, axis=1))) if len(moments) else float(np.mean(channel**2))
+    return float(np.max(np.mean(moments**2, axis=1), initial=0.0))
 
 
 MIN_MOMENTS = 4

@@ -46,19 +46,25 @@ def left_unseen(session: Session, without: Fit, found: Fit) -> Unseen | None:
         None where everything was fitted, or a motion leaves the finite numbers.
     """
     fitted = {target.record.name: target.record.n_samples for target in session.fitting.timed}
+    rests = [
+        (target, slice(fitted.get(target.record.name, 0), round(limit.seconds * target.record.fs)))
+        for target, limit in zip(session.everything.timed, session.limits, strict=True)
+    ]
+    rests = [(target, rest) for target, rest in rests if rest.stop - rest.start >= MIN_SAMPLES]
+    if not rests:
+        return None
+    evaluator = session.everything.with_targets([target for target, _ in rests])
     try:
-        runs = [session.everything.responses(each.hypothesis) for each in (without, found)]
+        runs = [evaluator.responses(each.hypothesis) for each in (without, found)]
     except DivergenceError:
         return None
     squares = []
-    for target, limit, one, other in zip(session.everything.timed, session.limits, *runs, strict=True):
-        first, last = fitted.get(target.record.name, 0), round(limit.seconds * target.record.fs)
-        if last - first >= MIN_SAMPLES:
-            before, after = (run.channels[:, first:last] for run in (one, other))
-            measured, variance = target.record.responses[:, first:last], _variance(target)[:, None]
-            errors = (before - measured, after - measured, before - after)
-            squares.append([np.mean(error**2 / variance) for error in errors])
-    return Unseen(*np.sqrt(np.mean(squares, axis=0)).tolist()) if squares else None
+    for (target, rest), one, other in zip(rests, *runs, strict=True):
+        before, after = one.channels[:, rest], other.channels[:, rest]
+        measured, variance = target.record.responses[:, rest], _variance(target)[:, None]
+        errors = (before - measured, after - measured, before - after)
+        squares.append([np.mean(error**2 / variance) for error in errors])
+    return Unseen(*np.sqrt(np.mean(squares, axis=0)).tolist())
 
 
 def _variance(target: TimeTarget) -> FloatArray:

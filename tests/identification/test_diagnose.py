@@ -78,7 +78,7 @@ def test_a_fault_of_the_measurement_is_named_with_its_size(fault):
 def test_two_effects_are_found_one_after_the_other():
     film, gain = SqueezeFilm(Place(sleeve="sleeve 2"), damping=15.0), SensorGain(P4, gain=0.9)
     truth = Hypothesis(REFERENCE, BUILT.values, effects=(film, gain))
-    kinds = few("squeeze_film", "point_damping", "sensor_gain")
+    kinds = few("squeeze_film", "point_damping", "point_mass", "sensor_gain", "gap_offset")
 
     found = learnt_from(truth, REFERENCE, rms=4.0, registry=kinds, holdout=(7,))
 
