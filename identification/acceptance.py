@@ -16,7 +16,7 @@ from identification.fit import Fit, fit
 from identification.hypothesis import effect_unknowns
 from identification.noise_left import NOISE_NEAR
 from identification.outcome import AT_REST_ONLY
-from identification.reached import NOISE_REACHED, reaches_noise
+from identification.reached import NOISE_REACHED, is_as_near_as_models, missed, reaches_noise
 from identification.result import Verdict
 from identification.rounds import takes_away
 from identification.session import Session
@@ -212,23 +212,39 @@ def verdict_of(session: Session, calibrated: Fit, final: Fit, *, searched: bool)
         final: with all that were added.
         searched: whether effects were looked for.
     """
-    if not final.hypothesis.effects:
-        if not searched or (calibrated.ratio <= NOISE_DOUBTED and not session.left_tolerance(calibrated)):
-            motion = "" if session.everything.timed else " for small motion about rest"
-            session.decide(f"complete: the calibrated model reaches the noise{motion}")
-            return "complete"
-        if session.is_passing and not session.left_tolerance(calibrated):
-            session.decide("complete: the calibrated model reaches the noise but for an event that passes")
-            return "complete"
-        session.decide("unexplained: nothing in the library explains what is left")
-        return "unexplained"
-    share = takes_away(calibrated, final)
+    has_effects = bool(final.hypothesis.effects)
+    share = takes_away(calibrated, final) if has_effects else 0.0
     enough = EXPLAINED_NEAR if final.ratio <= NOISE_NEAR else EXPLAINED_FAR
-    if final.ratio <= NOISE_REACHED or share >= enough:
+    if has_effects and (final.ratio <= NOISE_REACHED or share >= enough):
         session.decide(f"missing effect found; residual {final.ratio:.2f} times the noise")
         return "missing_effect"
+    complete = _complete(session, calibrated, imitated=has_effects, searched=searched)
+    if complete is not None:
+        session.decide(f"complete: {complete}")
+        return "complete"
     session.decide(
         f"unexplained: the best of the library leaves {final.ratio:.2f} times the noise and takes away {share:.0%} of "
         f"the misfit beyond it; {enough:.0%} would be a diagnosis"
+        if has_effects
+        else "unexplained: nothing in the library explains what is left"
     )
     return "unexplained"
+
+
+def _complete(session: Session, calibrated: Fit, *, imitated: bool, searched: bool) -> str | None:
+    """Why nothing is missing in the calibrated model although effects may have been looked for, or None."""
+    motion = "" if session.everything.timed else " for small motion about rest"
+    if not searched:
+        return f"the calibrated model reaches the noise{motion}"
+    if session.left_tolerance(calibrated):
+        return None
+    if not imitated and calibrated.ratio <= NOISE_DOUBTED:
+        return f"the calibrated model reaches the noise{motion}"
+    if not imitated and session.is_passing:
+        return "the calibrated model reaches the noise but for an event that passes"
+    if is_as_near_as_models(session.fitting, calibrated):
+        return (
+            f"beyond the noise the calibrated model misses {missed(session.fitting, calibrated):.2%} of the motion, no "
+            "more than two ways to compute the same rig differ by, and nothing in the library explains it"
+        )
+    return None

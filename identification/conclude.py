@@ -88,8 +88,8 @@ def concluded(
         began: when the diagnosis did, s.
     """
     if stages[-1].hypothesis is not polished.hypothesis:
-        label = stages[-1].label if verdict != "unexplained" else "calibrated"
-        kept = [s for s in stages if verdict != "unexplained" or not s.hypothesis.effects]
+        label = stages[-1].label if verdict == "missing_effect" else "calibrated"
+        kept = [s for s in stages if verdict == "missing_effect" or not s.hypothesis.effects]
         stages = [*kept[:-1], session.stage(label, polished.hypothesis)]
     if session.relearnt:
         stages = [session.stage(stage.label, stage.hypothesis) for stage in stages]

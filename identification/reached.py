@@ -1,5 +1,7 @@
 """What it takes for a model to have reached the noise."""
 
+import numpy as np
+
 from identification.evaluate import Evaluator
 from identification.fit import Fit
 
@@ -10,6 +12,38 @@ ERROR_REACHED = 1.3
 """The same for the error, to which all records add alike and loud channels most: what is left in one short record, or
 where the motion is large, hardly shows among all samples. Models of other makers differ from this one by up to a third
 of the noise."""
+
+
+MODELS_APART = 0.004
+"""Share of a record's rms by which two ways to compute the same rig differ: a second of impacts by the modal model and
+by a chain of segments (results/crosscheck). No structure is known better, however quiet its sensors are."""
+
+
+def is_as_near_as_models(evaluator: Evaluator, result: Fit) -> bool:
+    """Whether a model misses no more of any record's motion than two models of the same rig miss of each other's.
+
+    Modes and FRFs are not asked: a linear model computes them far closer.
+
+    Args:
+        evaluator: records of the fit.
+        result: of them.
+    """
+    return not evaluator.at_rest and missed(evaluator, result) <= MODELS_APART
+
+
+def missed(evaluator: Evaluator, result: Fit) -> float:
+    """Rms of what a model misses beyond the noise, as a share of the record's, in the record where that is most.
+
+    Args:
+        evaluator: records of the fit.
+        result: of them.
+    """
+    parts = np.split(result.residual, np.cumsum([target.n_data for target in evaluator.targets])[:-1])
+    squares = [
+        target.nrmse_left(part) ** 2 - target.nrmse_of_noise**2
+        for target, part in zip(evaluator.targets, parts, strict=True)
+    ]
+    return float(np.sqrt(max(0.0, *squares)))
 
 
 def reaches_noise(evaluator: Evaluator, result: Fit) -> bool:

@@ -92,7 +92,8 @@ def headline(diagnosis: Diagnosis) -> str:
         with_it = "it" if len(diagnosis.added) == 1 else "them"
         return f"The given model lacks {count}, {named}: with {with_it} {fall}, and {floor_is}{_more(last)}."
     if diagnosis.verdict == "complete":
-        return f"These records show nothing missing: calibrated within its tolerances, {fall}, and {floor_is}."
+        left = f"{floor_is}{_more(last)}"
+        return f"These records show nothing missing: calibrated within its tolerances, {fall}, and {left}."
     return (
         f"Something is missing that no effect of the library explains: the best model still errs by "
         f"{percent(last.nrmse)} (as given {percent(first.nrmse)}), while {floor_is}."

@@ -2,17 +2,22 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
-from trial_records import REFERENCE, evaluator_of, fit_of, measured, multisine
+from trial_records import REFERENCE, evaluator_of, fit_of, measured, moved, multisine, oscillator
 
 from identification.acceptance import _refined, pruned, verdict_of
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
+from identification.reached import missed
 from models.effects import Place
 from models.effects.point_mass import PointMass
 from models.effects.time_varying_damping import TimeVaryingDamping
 
 MASS = PointMass(Place(position=0.7), mass=0.3)
+
+LOUD = evaluator_of(measured(Hypothesis(oscillator()), multisine(), noise=0.1))
+"""Records whose noise is far above what any two models differ by."""
 
 
 class Listener:
@@ -21,8 +26,8 @@ class Listener:
     class everything:  # noqa: N801
         timed = ("a record",)
 
-    def __init__(self, *, is_passing=False, has_left=False):
-        self.decisions, self.is_passing, self.has_left = [], is_passing, has_left
+    def __init__(self, *, is_passing=False, has_left=False, fitting=LOUD):
+        self.decisions, self.is_passing, self.has_left, self.fitting = [], is_passing, has_left, fitting
 
     def left_tolerance(self, calibrated):
         return self.has_left
@@ -39,6 +44,7 @@ def fit_with_ratio(ratio, *, effect):
 def called(calibrated, final=None, *, searched=True, **session):
     session = Listener(**session)
     base = fit_with_ratio(calibrated, effect=False)
+    base = replace(base, residual=np.full(session.fitting.n_data, calibrated))
     end = base if final is None else fit_with_ratio(final, effect=True)
     return verdict_of(session, base, end, searched=searched), session.decisions[-1]
 
@@ -75,6 +81,56 @@ def test_what_is_left_of_an_event_that_passes_is_no_effect():
 
     assert verdict == "complete"
     assert "but for an event that passes" in words
+
+
+def quiet(*, error):
+    """Records with hardly any noise, and a calibrated model that leaves this share of them."""
+    evaluator = evaluator_of(measured(Hypothesis(oscillator()), multisine(8192), noise=5e-4))
+    (target,) = evaluator.targets
+    true, wrong = Hypothesis(oscillator()), moved(oscillator(), 0.0, 0.002, 0.0)
+    residual = target.residual(wrong, evaluator.settings) - target.residual(true, evaluator.settings)
+    residual *= error / target.nrmse_left(residual)
+    residual += np.random.default_rng(0).standard_normal(len(residual))
+    return evaluator, fit_leaving(float(np.sum(residual**2)), residual, effect=False)
+
+
+def fit_leaving(chi2, residual, *, effect):
+    return replace(fit_with_ratio(1.0, effect=effect), chi2=chi2, n_data=len(residual), residual=residual)
+
+
+@pytest.mark.parametrize(("error", "verdict"), [(0.003, "complete"), (0.005, "unexplained")])
+@pytest.mark.parametrize("searched_in_vain", [True, False])
+def test_no_model_is_asked_to_be_closer_than_two_models_of_one_rig_are(error, verdict, searched_in_vain):
+    fitting, calibrated = quiet(error=error)
+    assert calibrated.ratio > 4.0
+    imitation = fit_leaving(0.6 * calibrated.chi2, calibrated.residual, effect=True)
+    session = Listener(fitting=fitting)
+
+    found = verdict_of(session, calibrated, imitation if searched_in_vain else calibrated, searched=True)
+
+    assert found == verdict
+    assert verdict == "unexplained" or "misses 0.30% of the motion" in session.decisions[-1]
+
+
+def test_a_law_that_explains_even_so_little_is_named():
+    fitting, calibrated = quiet(error=0.003)
+    law = fit_leaving(float(fitting.n_data), calibrated.residual, effect=True)
+
+    assert verdict_of(Listener(fitting=fitting), calibrated, law, searched=True) == "missing_effect"
+
+
+def test_the_record_that_is_missed_most_counts():
+    right = measured(Hypothesis(oscillator()), multisine(), name="right", noise=5e-4)
+    wrong = measured(moved(oscillator(), 0.0, 0.01, 0.0), multisine(), name="wrong", noise=5e-4)
+    evaluator = evaluator_of(right, wrong)
+    residual = evaluator.residuals([(Hypothesis(oscillator()), None)])[0]
+
+    found = missed(evaluator, replace(fit_with_ratio(1.0, effect=False), residual=residual))
+
+    alone = evaluator_of(wrong)
+    error = alone.nrmse_of(alone.residuals([(Hypothesis(oscillator()), None)])[0])
+    assert error > 3.0 * alone.nrmse_of_noise
+    assert found == pytest.approx(np.sqrt(error**2 - alone.nrmse_of_noise**2))
 
 
 def test_an_imitation_is_told_with_its_share():
