@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from identification.evaluate import LEAST_NOISE
+from identification.reached import MODELS_APART
 from identification.result import Diagnosis, Estimate, FrfScore, ModesScore, RecordScore, Score
 from models.arrays import FloatArray
 from models.band_limit import PASS_EDGE, SCORE_EDGE, STOP_EDGE
@@ -234,6 +235,7 @@ def default_rows(diagnosis: Diagnosis, rig: Rig) -> list[tuple[str, str]]:
         ("tolerances (one standard deviation)", tolerances or "none: no number of the rig was moved"),
         ("noise floor", "estimated from each record, see above; the excitation's noise is carried through the model"),
         ("least noise", f"{LEAST_NOISE:g} of a channel's rms"),
+        ("the model's own error, where nothing explains it", f"up to {percent(MODELS_APART)} of a record's rms"),
         ("time step", f"at least {STEP_RATE:g} steps a second"),
         ("seed", str(diagnosis.seed)),
         ("time taken", f"{diagnosis.seconds:.0f} s"),

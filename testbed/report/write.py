@@ -9,6 +9,7 @@ from identification.result import Diagnosis
 from models.rig import Rig
 from testbed.figures.report_style import report_style
 from testbed.proposal import HEADS, excitation_rows, option_rows
+from testbed.report.budget_rows import budget_table
 from testbed.report.figures import (
     error_steps,
     force_pictures,
@@ -102,6 +103,7 @@ def _content(diagnosis: Diagnosis, rig: Rig, provenance: Provenance) -> dict[str
         "located": diagnosis.located,
         "forces": forces,
         "records": record_rows(diagnosis, rig),
+        "budget": budget_table(diagnosis, rig),
         "channels": channel_rows(diagnosis),
         "modes": mode_tables(diagnosis),
         "not_shown": [row.record.name for row in learned if row.record.name not in shown],

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from cli_files import make_files
+from typer.main import get_command
 
 from testbed.cli.app import app, main
 
@@ -25,6 +26,22 @@ def test_every_command_has_an_example():
     commands = [command.callback.__name__ for command in app.registered_commands]
     commands += [group.name for group in app.registered_groups]
     assert {example[0] for example in EXAMPLES} == set(commands)
+
+
+def _commands(command, path=()):
+    if not hasattr(command, "commands"):
+        return [(path, command)]
+    return [found for name, each in command.commands.items() for found in _commands(each, (*path, name))]
+
+
+@pytest.mark.parametrize(
+    ("path", "command"), _commands(get_command(app)), ids=lambda each: "-".join(each) if isinstance(each, tuple) else ""
+)
+def test_every_option_is_told_where_its_command_is(path, command):
+    head, *sections = re.split(r"^## ", PAGE, flags=re.MULTILINE)
+    (section,) = [text for text in sections if path[0] in text.split("\n", 1)[0].split()]
+    options = {option for parameter in command.params for option in parameter.opts if option.startswith("--")}
+    assert {option for option in options if option not in head + section} == set()
 
 
 def test_the_examples_run_one_after_the_other(tmp_path, monkeypatch, capsys):

@@ -17,11 +17,14 @@ from models.record import FrfRecord, ModeShapeRecord
 from models.rig import Excitation, Oscillator, Rig, Sensor
 from models.rig_file import read_rig
 from testbed.report import Provenance, provenance, write_report
+from testbed.report.budget_rows import budget_table
 from testbed.report.figures import panels_of, shown_records
 from testbed.report.rows import rig_pulls
 from testbed.report.words import chance, headline, number, percent, with_std
 
-SECTIONS = ("models", "parameters", "candidates", "where", "force", "records", "decisions", "next", "provenance")
+SECTIONS = (
+    "models", "parameters", "candidates", "where", "force", "records", "budget", "decisions", "next", "provenance",
+)  # fmt: skip
 VOID = {"meta", "img", "br", "link", "hr", "input"}
 MADE = Provenance(
     "testbed diagnose rig.toml sweep.csv",
@@ -121,6 +124,47 @@ def test_every_verdict_makes_a_whole_page_with_nothing_from_outside(rig, diagnos
         assert stage.label in page.text
         assert percent(stage.score.nrmse) in page.text
     assert ("kept aside" in page.text) == aside or "No record was kept aside" in page.text
+
+
+def repeating_record(rig, n_periods=6, period=512):
+    """An odd multisine, answered in proportion, with an even distortion of 1 % and a noise of 0.1 %."""
+    rng = np.random.default_rng(4)
+    lines = np.arange(3, 120, 2)
+    phases = rng.uniform(0.0, 2.0 * np.pi, len(lines))
+    force = np.cos(2.0 * np.pi * np.outer(np.arange(period) / period, lines) + phases).sum(axis=1)
+    force = np.tile(force / force.std(), n_periods)
+    even = force**2 - 1.0
+    answer = force + 0.01 * even / even.std()
+    record = made_up_record(rig, n_samples=len(force))
+    responses = np.tile(answer, (len(rig.sensors), 1)) + 1e-3 * rng.standard_normal((len(rig.sensors), len(force)))
+    return replace(record, excitation=force, responses=responses)
+
+
+def test_the_budget_says_what_a_model_could_still_gain(rig):
+    table = budget_table(made_up_diagnosis(rig, repeating_record(rig)), rig)
+
+    (row,) = table.rows
+    shares = dict(zip(table.causes, row["causes"], strict=True))
+    assert _percent(shares["even"]) == pytest.approx(1.0, rel=0.05)
+    assert shares["odd"] == "none"
+    calibrated, final = row["models"]
+    assert _percent(calibrated["possible"]) == pytest.approx(24.0, rel=0.02)
+    assert _percent(calibrated["nonlinear"]) == pytest.approx(0.24, rel=0.1)
+    assert _percent(final["possible"]) == pytest.approx(0.71, rel=0.02)
+    assert any("even distortion" in text for text in table.findings)
+
+
+def _percent(text):
+    value, unit = text.split()
+    assert unit == "%"
+    return float(value)
+
+
+def test_records_that_do_not_repeat_have_a_budget_in_words_only(rig, diagnosis):
+    table = budget_table(diagnosis, rig)
+
+    assert table.rows == ()
+    assert "sweep.csv" in " ".join(table.findings)
 
 
 def test_the_verdict_names_the_effect_and_its_figures(rig, diagnosis, tmp_path):
