@@ -66,6 +66,8 @@ class TimeTarget:
         whole: duration of the test of which this may be a beginning, s.
         carried: (n_realisations, n, N) what noise of the excitation did to the channels; a part of a record has its own
             density, since noise may grow through a record. Empty where none was carried.
+        unjudged: samples at the start of a later part of a record, of which the recorder saw what came before and the
+            model does not.
     """
 
     record: Record
@@ -75,6 +77,7 @@ class TimeTarget:
     driven: Record
     whole: float
     carried: FloatArray = field(default_factory=lambda: np.empty((0, 0, 0)), repr=False)
+    unjudged: int = 0
 
     @classmethod
     def of(cls, record: Record, noise: Noise) -> "TimeTarget":
@@ -98,15 +101,39 @@ class TimeTarget:
         n = min(n_samples, self.driven.n_samples - AHEAD)
         if n >= self.record.n_samples or n < AHEAD:
             return self
-        short = _first(self.record, n)
-        measured = scored_spectrum(short.responses)
+        part = samples_of(self.record, 0, n), samples_of(self.driven, 0, n + AHEAD), self.carried[:, :, :n]
+        return self._part(*part, self.unjudged)
+
+    def later(self, first: int, name: str) -> "TimeTarget":
+        """The record from a sample on, under another name, since it starts from another state.
+
+        Args:
+            first: sample.
+            name: of what is left.
+        """
+        record, driven = (
+            replace(samples_of(each, first, each.n_samples), name=name, moving_start=False)
+            for each in (self.record, self.driven)
+        )
+        return self._part(record, driven, self.carried[:, :, first:], AHEAD)
+
+    def _part(self, record: Record, driven: Record, carried: FloatArray, unjudged: int) -> "TimeTarget":
+        """A part of the record, with the noise that was carried into it."""
+        measured = _judged_spectrum(record.responses, unjudged)
         line = np.linspace(0, self.density.shape[1] - 1, measured.shape[1]).astype(int)
-        density, carried = self.density[:, line], self.carried[:, :, :n]
+        density = self.density[:, line]
         if len(carried):
             own = self.with_noise(self.noise).density[:, line]
             density = density * (own + _density_of(carried)) / (own + _density_of(self.carried)[:, line])
-        driven = _first(self.driven, n + AHEAD)
-        return replace(self, record=short, measured=measured, density=density, driven=driven, carried=carried)
+        return replace(
+            self,
+            record=record,
+            measured=measured,
+            density=density,
+            driven=driven,
+            carried=carried,
+            unjudged=unjudged,
+        )
 
     def without(self, name: str) -> "TimeTarget":
         """Without the channel of a sensor, if it has that."""
@@ -138,7 +165,7 @@ class TimeTarget:
 
     def spectrum(self, channels: FloatArray) -> ComplexArray:
         """(n, lines) spectrum of what was simulated, as far as it is judged."""
-        return scored_spectrum(channels[:, : self.record.n_samples])
+        return _judged_spectrum(channels[:, : self.record.n_samples], self.unjudged)
 
     @property
     def n_data(self) -> int:
@@ -181,13 +208,13 @@ def _of_channels(record: Record, kept: Sequence[int]) -> Record:
     return replace(record, sensors=tuple(record.sensors[i] for i in kept), responses=record.responses[list(kept)])
 
 
-def _first(record: Record, n_samples: int) -> Record:
-    """The first samples of a record."""
+def samples_of(record: Record, first: int, end: int) -> Record:
+    """The samples of a record from one up to another."""
     force = record.excitation
     return replace(
         record,
-        responses=record.responses[:, :n_samples],
-        excitation=None if force is None else force[:n_samples],
+        responses=record.responses[:, first:end],
+        excitation=None if force is None else force[first:end],
     )
 
 
@@ -199,6 +226,14 @@ def scored_spectrum(channels: FloatArray) -> ComplexArray:
     """(n, lines) spectrum of the band below 0.35 fs in which errors are judged."""
     n = channels.shape[1]
     return np.asarray(fft.rfft(channels, axis=1)[:, : int(SCORE_EDGE * n) + 1])
+
+
+def _judged_spectrum(channels: FloatArray, unjudged: int) -> ComplexArray:
+    """The same without the samples at the start that are not judged."""
+    if unjudged:
+        channels = channels.copy()
+        channels[:, :unjudged] = 0.0
+    return scored_spectrum(channels)
 
 
 def nrmse(residual: ComplexArray, measured: ComplexArray) -> float:

@@ -17,7 +17,7 @@ from models.effects.protocol import Parameter
 from models.plant import Plant, build_plant
 from models.record import Record
 from models.rig import Beam, Rig, RigParameter
-from models.simulate import Response, Settings, simulate
+from models.simulate import Response, Settings, simulate, state_at
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +61,17 @@ class Hypothesis:
         """
         start, own = self.starts.get(record.name), self.own.get(record.name)
         return simulate(plant or self.plant(), self.at_zero(record), settings, start, own)
+
+    def state_at(self, record: Record, sample: int, settings: Settings) -> FloatArray:
+        """(2n,) modal displacements and velocities at a sample of a record.
+
+        Args:
+            record: measured.
+            sample: counted from 0.
+            settings: resolution.
+        """
+        start, own = self.starts.get(record.name), self.own.get(record.name)
+        return state_at(self.plant(), self.at_zero(record), sample, settings, start, own)
 
     def at_zero(self, record: Record) -> Record:
         """The record with its excitation less what its channel reads at rest."""

@@ -17,6 +17,7 @@ from identification.in_its_place import (
 )
 from identification.in_step import tried_with
 from identification.look import View, afar, beside
+from identification.onset import of_whole
 from identification.progress import Progress
 from identification.sketch import (
     FAR_BEHIND,
@@ -57,8 +58,9 @@ def judge(
     for number, look in enumerate(looks):
         if number > 0:
             progress("nothing seen so far reaches the noise; looking from elsewhere")
-        sketches = [] if instant is None else look(instant, base, progress)
-        if lasting and (number > 0 or not any(sketch.fit.ratio < REACHED < base.ratio for sketch in sketches)):
+        sketches = [] if instant is None else [_of_whole(sketch, fitting) for sketch in look(instant, base, progress)]
+        met = any(sketch.fit.ratio < REACHED < base.ratio for sketch in sketches)
+        if lasting and (number > 0 or not met or (instant is not None and instant.is_late)):
             sketches += [sketch for view in lasting for sketch in beside(view, base, progress)]
             lasting = []
         kinds = {} if instant is None else instant.registry
@@ -73,6 +75,12 @@ def judge(
 SMALL, LARGE = 3.0, 8.0
 """Residual over noise of the calibrated model: up to the first its neighbourhood alone tells suspects apart, above the
 second the beginning of the records is seen first, since nothing is linear."""
+
+
+def _of_whole(sketch: Sketch, fitting: Evaluator) -> Sketch:
+    """A sketch on parts of the records without what these parts have for themselves."""
+    hypothesis = of_whole(sketch.fit.hypothesis, [target.record for target in fitting.targets])
+    return replace(sketch, fit=replace(sketch.fit, hypothesis=hypothesis))
 
 
 def finals(

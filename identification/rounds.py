@@ -12,9 +12,11 @@ from identification.evidence import (
 )
 from identification.faults import suspicion
 from identification.fit import Fit, fit
+from identification.hypothesis import Hypothesis
 from identification.in_its_place import with_others_there
 from identification.judge import judge, restarted
 from identification.look import View
+from identification.onset import goes_on, onset_of
 from identification.prepare import cut_to
 from identification.reached import NOISE_REACHED
 from identification.relearning import carried_through
@@ -42,7 +44,7 @@ def look_round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
         ranked = carried_through(session, judge([faults], session.fitting, base, session.progress))
         first = replace(first, channels=suspected.beside(base.hypothesis.rig))
     if not (ranked and ranked[0].fit.ratio <= NOISE_REACHED):
-        views = [first]
+        views = [_where_it_shows(session, searching, base, first)]
         if lasting:
             views.append(_view(session, searching, base, lasting, TIME_SECONDS, 1))
         ranked = judge(views, session.fitting, base, session.progress)
@@ -52,8 +54,27 @@ def look_round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
 def _view(session: Session, searching: Evaluator, base: Fit, kinds: Registry, seconds: float, most: int) -> View:
     """So many seconds of the loudest records, the quietest and those between, and the calibrated model there."""
     evaluator = cut_to(searching, seconds, session.limits, most)
-    there = fit(evaluator, base.hypothesis, concerning(base, evaluator), max_iterations=1)
-    return View(evaluator, there, kinds)
+    return View(evaluator, _there(evaluator, base.hypothesis, base), kinds)
+
+
+def _there(evaluator: Evaluator, model: Hypothesis, base: Fit) -> Fit:
+    """A model on some of the records, with the slopes there."""
+    return fit(evaluator, model, concerning(base, evaluator), max_iterations=1)
+
+
+def _where_it_shows(session: Session, searching: Evaluator, base: Fit, view: View) -> View:
+    """The view, or, where its seconds show no misfit, as many from where one begins in the records."""
+    if view.there.ratio > NOISE_REACHED or not searching.timed or not goes_on(base.hypothesis):
+        return view
+    try:
+        onset = onset_of(searching, base.hypothesis, session.limits)
+    except ArithmeticError:  # beyond what was fitted nothing holds it
+        return view
+    if onset is None:
+        return view
+    evaluator = cut_to(onset.evaluator, SCREEN_SECONDS, onset.limits, 2)
+    session.decide(f"the misfit shows late: suspects are looked for in {onset.in_words} on")
+    return replace(view, evaluator=evaluator, there=_there(evaluator, onset.hypothesis, base), is_late=True)
 
 
 def takes_away(base: Fit, found: Fit) -> float:

@@ -23,7 +23,7 @@ def march_model(
     out: FloatArray,
     trace: FloatArray,
     tolerance: float,
-) -> int:
+) -> tuple[int, FloatArray]:
     """March over all columns of ``out`` and record.
 
     Args:
@@ -38,7 +38,8 @@ def march_model(
         tolerance: change of a force that ends the iteration in a step, N.
 
     Returns:
-        the number of steps done; less than n_steps where the motion left the finite numbers.
+        the number of steps done, less than n_steps where the motion left the finite numbers; (2m,) modal displacements
+        and velocities at the end.
 
     Raises:
         DivergenceError: a stiffness that drifts is used up.
@@ -50,7 +51,7 @@ def march_model(
     done: int = march(
         linear, items_of(model), inputs, drive.base_motion, state, Reading.of(read(system)), out, trace, tolerance
     )
-    return done
+    return done, system.to_modal @ state
 
 
 def _march_drifting(
@@ -63,7 +64,7 @@ def _march_drifting(
     out: FloatArray,
     trace: FloatArray,
     tolerance: float,
-) -> int:
+) -> tuple[int, FloatArray]:
     """The same in segments of constant stiffness, each going on from the state and the memory of the one before."""
     n_steps, m, rate = int(out.shape[1] - 1), model.n, model.plant.structure.stiffness_rate
     check_drift(rate, n_steps * h)
@@ -89,6 +90,6 @@ def _march_drifting(
         )  # fmt: skip
         out[:, at] = part
         if done < last - first:
-            return first + done
+            return first + done, modal
         modal = segments.to_modal[s] @ state
-    return n_steps
+    return n_steps, modal

@@ -103,10 +103,8 @@ def simulate(
         InputError: a record that does not fit the plant.
     """
     plant = _at_record(plant, record)
-    model = build_modal(plant, STOP_EDGE * record.fs, settings.n_modes)
     sensors = _sensors_of(plant, record)
-    load = load_of(model, drive_of(record, plant, 1, free or {}))
-    factor = settings.steps_per_sample or steps_per_sample(model, record.fs, load)
+    model, factor, load = _resolved(plant, record, settings, free or {})
     drive = drive_of(record, plant, factor, free or {})
     fine, trace = _march(model, drive, record, factor, sensors, start, FORCE_TOLERANCE * load, settings.trace)
     order = np.array([1.0 if s.quantity == "acceleration" else 0.0 for s in sensors])
@@ -117,6 +115,45 @@ def simulate(
     for effect in plant.effects:
         channels = effect.change_channels(channels, measurement)
     return Response(channels, factor, model, trace)
+
+
+def state_at(
+    plant: Plant,
+    record: Record,
+    sample: int,
+    settings: Settings = Settings(),
+    start: FloatArray | None = None,
+    free: Mapping[str, float] | None = None,
+) -> FloatArray:
+    """(2n,) modal displacements and velocities at a sample of a record; laws may remember more than that.
+
+    Args:
+        plant: the rig with its effects.
+        record: what drives it.
+        sample: counted from 0.
+        settings: resolution.
+        start: at the first sample, from rest by default.
+        free: the record's own parameters of effects that have some.
+    """
+    plant = _at_record(plant, record)
+    model, factor, load = _resolved(plant, record, settings, free or {})
+    drive, h = drive_of(record, plant, factor, free or {}), 1.0 / (factor * record.fs)
+    state = None if start is None else _resized(start, model.n)
+    out, trace = np.empty((0, sample * factor + 1)), np.empty((0, 0))
+    _, end = march_model(
+        model, drive, h, STOP_EDGE * record.fs, state, lambda system: output_rows(model, system, ()), out, trace,
+        FORCE_TOLERANCE * load,
+    )  # fmt: skip
+    return end
+
+
+def _resolved(
+    plant: Plant, record: Record, settings: Settings, free: Mapping[str, float]
+) -> tuple[ModalModel, int, float]:
+    """The model, its steps per sample, and the force that its forces are weighed against, N."""
+    model = build_modal(plant, STOP_EDGE * record.fs, settings.n_modes)
+    load = load_of(model, drive_of(record, plant, 1, free))
+    return model, settings.steps_per_sample or steps_per_sample(model, record.fs, load), load
 
 
 def steps_per_sample(model: ModalModel, fs: float, load: float) -> int:
@@ -206,7 +243,7 @@ def _march(
     out, n_forces = np.empty((len(sensors), n_steps + 1)), len(model.plant.laws) + len(model.plant.contacts)
     trace = np.empty((n_steps + 1 if keep_trace else 0, 2 * len(model.ports) + n_forces))
     state = None if start is None else _resized(start, model.n)
-    done = march_model(
+    done, _ = march_model(
         model, drive, h, STOP_EDGE * record.fs, state, lambda system: output_rows(model, system, sensors),
         out, trace, tolerance,
     )  # fmt: skip

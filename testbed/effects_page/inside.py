@@ -91,13 +91,13 @@ def _force(response: Response, first: int, *, through_time: bool) -> tuple[Panel
     where = f" at {port.position:.2f} m" if len(size) > 1 and port.position is not None else ""
     return (
         Panel(
-            f"its force{where} over the motion, high level",
+            f"its force{where}, high level",
             axes.motion,
             axes.force,
             tuple(Curve(name, motion[part], force[part]) for name, part in parts),
         ),
         Panel(
-            f"its force{where} over the speed, high level",
+            f"its force{where}, high level",
             axes.rate,
             axes.force,
             tuple(Curve(name, rate[part], force[part]) for name, part in parts),

@@ -66,7 +66,7 @@ Each picture sets the reference rig with one effect against the rig without it, 
 {BAND[0]:g} to {BAND[1]:g} Hz, at {LEVELS["low"]:g} and at {LEVELS["high"]:g} N rms. The effect is a trial value of its
 kind, scaled so that it shows. From left to right:
 
-- response over force at the sensor that changes most, at the low and at the high level;
+- response over force at the sensor whose channel changes most, in its own unit, at the low and at the high level;
 - the change of each channel along the beam, as a share of its rms; grey bars are sleeves, the triangle is the effect;
 - below, two views of what changed: its force over motion and speed, the force in its sleeve, the natural frequencies
   and damping ratios of the beam without sleeves, or the channel as read over the channel as it was;

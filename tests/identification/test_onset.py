@@ -1,0 +1,120 @@
+"""Where a misfit begins, and the search from there: a sweep that comes to what is missing after many seconds."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from trial_records import (
+    FS,
+    OSCILLATOR,
+    REFERENCE,
+    evaluator_of,
+    measured,
+    multisine,
+    oscillator,
+    rising_session,
+)
+
+from identification.evaluate import AHEAD
+from identification.hypothesis import Hypothesis
+from identification.onset import WINDOW, goes_on, of_whole, onset_of
+from identification.rounds import _view, _where_it_shows
+from models.effects import EFFECTS, Place
+from models.effects.bouc_wen import BoucWen
+from models.effects.cubic_stiffness import CubicStiffness
+from models.effects.point_mass import PointMass
+from models.effects.wear import Wear
+
+HARDENING = CubicStiffness(Place(), stiffness=5e11)
+
+
+@pytest.mark.parametrize("rig", [oscillator(q) for q in ("displacement", "velocity", "acceleration")] + [REFERENCE])
+def test_the_truth_goes_on_from_its_own_state(rig):
+    truth = Hypothesis(rig)
+    evaluator = evaluator_of(measured(truth, multisine(8192), noise=1e-3, force_noise=1e-9))
+    (target,) = evaluator.targets
+    state = truth.state_at(target.driven, 2777, evaluator.settings)
+    later = target.later(2777, "later")
+
+    (residual,) = evaluator.with_targets([later]).residuals([(replace(truth, starts={"later": state}), None)])
+    (at_rest,) = evaluator.with_targets([later]).residuals([(truth, None)])
+
+    assert later.record.n_samples == 8192 - 2777
+    assert np.sqrt(np.mean(residual**2)) == pytest.approx(1.0, abs=0.05)
+    assert np.sqrt(np.mean(at_rest**2)) > 5.0
+    short = later.cut(1000)
+    assert short.unjudged == AHEAD
+    np.testing.assert_array_equal(short.measured, short.spectrum(short.record.responses))
+
+
+def test_a_misfit_that_begins_late_is_seen_from_there():
+    session, base = rising_session(Hypothesis(OSCILLATOR, effects=(HARDENING,)), 1.5)
+    whole = session.everything.responses(base.hypothesis)[0].channels
+    error = whole - session.everything.timed[0].record.responses
+    noise = session.everything.timed[0].noise.sensors[0]
+    assert np.std(error[:, : round(FS)]) < 1.1 * noise
+
+    onset = onset_of(session.everything, base.hypothesis, session.limits)
+
+    (first,), (limit,) = onset.seconds, onset.limits
+    width = round(WINDOW * FS)
+    loud = [k for k in range(16) if np.std(error[:, k * width : (k + 1) * width]) > 1.3 * noise]
+    assert first == pytest.approx(loud[0] * WINDOW, abs=2.0 * WINDOW)
+    assert first > 1.0
+    assert limit.seconds == pytest.approx(4.0 - first)
+    (target,) = onset.evaluator.timed
+    assert limit.record == target.record.name == f"rising from {first:.2f} s"
+
+
+def test_where_nothing_is_missing_no_misfit_begins():
+    session, base = rising_session(Hypothesis(OSCILLATOR), 4.0)
+
+    assert onset_of(session.everything, base.hypothesis, session.limits) is None
+
+
+def test_the_search_moves_to_where_the_misfit_is():
+    session, base = rising_session(Hypothesis(OSCILLATOR, effects=(HARDENING,)), 1.0)
+    kinds = {"cubic_stiffness": EFFECTS["cubic_stiffness"]}
+    view = _view(session, session.everything, base, kinds, 1.0, 2)
+
+    moved = _where_it_shows(session, session.everything, base, view)
+
+    assert moved.is_late
+    assert moved.there.ratio > 2.0 > view.there.ratio
+    assert "shows late" in session.decisions[-1]
+
+
+def test_the_search_stays_where_the_misfit_shows_from_the_first():
+    session, base = rising_session(Hypothesis(OSCILLATOR, effects=(HARDENING,)), 1.0)
+    view = _view(session, session.everything, base, EFFECTS, 4.0, 2)
+    assert view.there.ratio > 1.15
+
+    assert _where_it_shows(session, session.everything, base, view) is view
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        Wear(Place(sleeve="sleeve 1", position=REFERENCE.sleeves[0].position), rate=1e-5),
+        BoucWen(Place(position=0.7), force=5.0, yield_displacement=1e-4, exponent=1.0),
+    ],
+    ids=lambda effect: effect.kind,
+)
+def test_a_law_with_a_clock_or_a_memory_does_not_go_on_from_a_state(effect):
+    assert not goes_on(Hypothesis(REFERENCE, effects=(effect,)))
+    assert goes_on(Hypothesis(REFERENCE, effects=(PointMass(Place(position=0.7), mass=0.1),)))
+
+
+def test_whole_records_keep_what_is_theirs():
+    record, _ = measured(Hypothesis(OSCILLATOR), multisine(), name="whole")
+    start = np.ones(2)
+    found = Hypothesis(
+        OSCILLATOR,
+        starts={"whole": start, "whole from 1.00 s": start},
+        offsets={"whole": 1.0, "whole from 1.00 s": 2.0},
+        own={"whole": {"phase": 1.0}, "whole from 1.00 s": {"phase": 2.0}},
+    )
+
+    kept = of_whole(found, [record])
+
+    assert set(kept.starts) == set(kept.offsets) == set(kept.own) == {"whole"}
