@@ -51,6 +51,7 @@ def judge(
     """
     instant = next((view for view in views if not view.is_lasting), None)
     lasting = [view for view in views if view.is_lasting]
+    late = instant is not None and instant.is_late  # where a drift has come to look like a step
     looks = [beside, afar] if base.ratio <= LARGE else [afar, beside]
     if base.ratio <= SMALL and not pulled(base):
         looks = [beside]
@@ -58,9 +59,11 @@ def judge(
     for number, look in enumerate(looks):
         if number > 0:
             progress("nothing seen so far reaches the noise; looking from elsewhere")
-        sketches = [] if instant is None else [_of_whole(sketch, fitting) for sketch in look(instant, base, progress)]
-        met = any(sketch.fit.ratio < REACHED < base.ratio for sketch in sketches)
-        if lasting and (number > 0 or not met or (instant is not None and instant.is_late)):
+        sketches = [] if instant is None else look(instant, base, progress)
+        if late:
+            sketches = [_of_whole(sketch, fitting) for sketch in sketches]
+        met = not late and any(sketch.fit.ratio < REACHED < base.ratio for sketch in sketches)
+        if lasting and (number > 0 or not met):
             sketches += [sketch for view in lasting for sketch in beside(view, base, progress)]
             lasting = []
         kinds = {} if instant is None else instant.registry

@@ -1,5 +1,7 @@
 """The judgement: few of each kind are refitted, and what the beginning rules out is not."""
 
+from types import SimpleNamespace
+
 import pytest
 from trial_records import REFERENCE, evaluator_of, fit_of, measured, multisine
 
@@ -157,8 +159,12 @@ def test_those_that_fit_nearly_alike_are_fitted_to_the_end(refits, monkeypatch):
     assert [row.effect.kind for row in rows] == ["point_damping", "point_mass", "point_stiffness"]
 
 
-@pytest.mark.parametrize(("left", "looked_at"), [(1.05, [False]), (2.0, [False, True])])
-def test_kinds_in_time_are_looked_at_where_no_other_reaches_the_noise(monkeypatch, left, looked_at):
+@pytest.mark.parametrize(
+    ("left", "is_late", "looked_at"),
+    [(1.05, False, [False]), (2.0, False, [False, True]), (1.05, True, [False, True])],
+)
+def test_kinds_in_time_are_looked_at_where_no_other_reaches_the_noise(monkeypatch, left, is_late, looked_at):
+    """Where the view begins late, what reaches the noise there may be a drift that has come so far."""
     asked, far = [], fit_of(MASS, 4000.0)
 
     def beside(view, base, progress):
@@ -170,8 +176,8 @@ def test_kinds_in_time_are_looked_at_where_no_other_reaches_the_noise(monkeypatc
 
     monkeypatch.setattr(judging, "beside", beside)
     monkeypatch.setattr(judging, "finals", settled)
-    views = [View(None, far, {"point_mass": PointMass}), View(None, far, {"wear": Wear})]
+    views = [View(None, far, {"point_mass": PointMass}, is_late=is_late), View(None, far, {"wear": Wear})]
 
-    judge(views, None, far, lambda _: None)
+    judge(views, SimpleNamespace(targets=()), far, lambda _: None)
 
     assert asked == looked_at
