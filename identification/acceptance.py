@@ -68,6 +68,12 @@ def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
         why = f"takes away only {share:.0%} of the misfit" if little else "the records hardly speak for it"
         session.decide(f"{name} is the best of the library, but {why}: not added")
         return None
+    if not session.holds(best.fit.hypothesis):
+        session.decide(
+            f"{name} explains what was fitted, but with it the motion leaves the finite numbers in the rest of the "
+            "same records: not added"
+        )
+        return None
     unseen = _passing(session, base, best)
     if unseen is not None:
         session.is_passing = unseen.before <= NOISE_DOUBTED

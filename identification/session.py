@@ -85,6 +85,15 @@ class Session:
         self.progress(f"{label}: error {stage.score.nrmse:.3%}, noise floor {stage.score.noise_nrmse:.3%}")
         return stage
 
+    def holds(self, hypothesis: Hypothesis) -> bool:
+        """Whether a model's motion stays finite through whole records; what was fitted is a part of them.
+
+        Args:
+            hypothesis: the model.
+        """
+        (residual,) = self.everything.residuals([(hypothesis, None)])
+        return residual is not None
+
     def decide(self, text: str) -> None:
         """Keep and tell a decision."""
         self.decisions.append(text)

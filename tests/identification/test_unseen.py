@@ -15,6 +15,7 @@ from identification.session import Session
 from identification.unseen import left_unseen
 from models.effects import EFFECTS, Place
 from models.effects.cubic_stiffness import CubicStiffness
+from models.effects.quadratic_stiffness import QuadraticStiffness
 
 RIG = oscillator(mass=1e-5, stiffness=1e-5, damping=1e-4)
 BENT = Hypothesis(RIG, effects=(CubicStiffness(Place(), stiffness=2e7),))
@@ -85,3 +86,21 @@ def test_a_rest_in_which_both_models_are_still_is_no_evidence_against_an_effect(
     assert left_unseen(session, base, found).between < 0.3
 
     assert accepted(session, base, with_evidence([Ranked.of(found)])) is not None
+
+
+def test_an_effect_that_lets_the_rig_run_away_later_is_not_added():
+    """A spring that softens without end: through the first second it holds, under what comes later it does not."""
+    force = np.linspace(0.02, 1.0, N) ** 2 * multisine(N, rms=200.0)
+    everything = evaluator_of(measured(Hypothesis(RIG), force))
+    limits = [Horizon("test", 1.0, 4.0)]
+    session = Session(everything, cut_to(everything, PART, limits), limits, EFFECTS, lambda _: None, 0)
+    softening = QuadraticStiffness(Place(), stiffness=-4e8)
+    runaway = Hypothesis(RIG, effects=(softening,))
+    assert session.fitting.residuals([(runaway, None)])[0] is not None
+    other = session_on(BENT)
+    base, found, _ = fits_on(other)
+    rows = with_evidence([Ranked.of(replace(found, hypothesis=runaway))])
+
+    assert session.holds(base.hypothesis)
+    assert accepted(session, base, rows) is None
+    assert "leaves the finite numbers" in session.decisions[-1]
