@@ -88,7 +88,8 @@ def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
         f"{min(share, 1.0):.0%} of the misfit beyond the noise; {best.effect.in_words()}"
     )
     tell_tangent(session, best)
-    return _refined(session, best.fit)
+    refined = _refined(session, best.fit)
+    return refined if session.holds(refined.hypothesis) else best.fit
 
 
 def tell_tangent(session: Session, added: Ranked) -> None:
@@ -248,9 +249,17 @@ def _complete(session: Session, calibrated: Fit, *, imitated: bool, searched: bo
         return f"the calibrated model reaches the noise{motion}"
     if not imitated and session.is_passing:
         return "the calibrated model reaches the noise but for an event that passes"
-    if is_as_near_as_models(session.fitting, calibrated):
-        return (
-            f"beyond the noise the calibrated model misses {missed(session.fitting, calibrated):.2%} of the motion, no "
-            "more than two ways to compute the same rig differ by, and nothing in the library explains it"
-        )
-    return None
+    return _models_own(session, calibrated)
+
+
+def _models_own(session: Session, calibrated: Fit) -> str | None:
+    """That what is left may be the error of the model's own computation, in what was fitted and in the rest."""
+    if not is_as_near_as_models(session.fitting, calibrated):
+        return None
+    whole, ended = session.all_predicted, session.to_the_end(calibrated)
+    if not is_as_near_as_models(whole, ended):
+        return None
+    return (
+        f"beyond the noise the calibrated model misses {missed(whole, ended):.2%} of the motion, no more than two ways "
+        "to compute the same rig differ by, and nothing in the library explains it"
+    )

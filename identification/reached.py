@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from identification.evaluate import Evaluator
+from identification.evaluate import Evaluator, TimeTarget, unwhitened
 from identification.fit import Fit
+from models.arrays import FloatArray
 
 NOISE_REACHED = 1.15
 """Residual over noise up to which a model has nothing left to explain: the noise itself is known to about a tenth."""
@@ -19,6 +20,10 @@ MODELS_APART = 0.004
 by a chain of segments (results/crosscheck). No structure is known better, however quiet its sensors are."""
 
 
+NOISE_KNOWN = 0.9
+"""Share of the noise that is surely there: it is known to about a tenth."""
+
+
 def is_as_near_as_models(evaluator: Evaluator, result: Fit) -> bool:
     """Whether a model misses no more of any record's motion than two models of the same rig miss of each other's.
 
@@ -28,22 +33,30 @@ def is_as_near_as_models(evaluator: Evaluator, result: Fit) -> bool:
         evaluator: records of the fit.
         result: of them.
     """
-    return not evaluator.at_rest and missed(evaluator, result) <= MODELS_APART
+    return len(evaluator.timed) == len(evaluator.targets) and missed(evaluator, result) <= MODELS_APART
 
 
 def missed(evaluator: Evaluator, result: Fit) -> float:
-    """Rms of what a model misses beyond the noise, as a share of the record's, in the record where that is most.
+    """Rms of what a model misses beyond the noise, as a share of each channel's, over a time record's channels.
 
     Args:
         evaluator: records of the fit.
         result: of them.
+
+    Returns:
+        that of the record in which it is most; NaN where a channel cannot be told.
     """
     parts = np.split(result.residual, np.cumsum([target.n_data for target in evaluator.targets])[:-1])
-    squares = [
-        target.nrmse_left(part) ** 2 - target.nrmse_of_noise**2
-        for target, part in zip(evaluator.targets, parts, strict=True)
-    ]
-    return float(np.sqrt(max(0.0, *squares)))
+    pairs = zip(evaluator.targets, parts, strict=True)
+    return float(np.max([_missed(target, part) for target, part in pairs if isinstance(target, TimeTarget)]))
+
+
+def _missed(target: TimeTarget, residual: FloatArray) -> float:
+    error = np.sum(np.abs(unwhitened(residual, target)) ** 2, axis=1)
+    noise = NOISE_KNOWN**2 * np.sum(target.density, axis=1)
+    power = np.sum(np.abs(target.measured) ** 2, axis=1) / target.record.n_samples
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return float(np.sqrt(np.mean(np.maximum(error - noise, 0.0) / power)))
 
 
 def reaches_noise(evaluator: Evaluator, result: Fit) -> bool:

@@ -122,7 +122,9 @@ def level_changes(levels: Sequence[Level]) -> tuple[LevelChange, ...]:
 
 
 def _change(low: Level, high: Level) -> LevelChange:
-    first, second = np.nonzero(np.isclose(low.frequency[:, None], high.frequency, rtol=1e-9))
+    second = np.clip(np.searchsorted(high.frequency, low.frequency * (1.0 - SAME_LINE)), 0, len(high.frequency) - 1)
+    first = np.flatnonzero(np.isclose(low.frequency, high.frequency[second], rtol=SAME_LINE, atol=0.0))
+    second = second[first]
     return LevelChange(
         low,
         high,
@@ -132,6 +134,10 @@ def _change(low: Level, high: Level) -> LevelChange:
         low.scatter_known and high.scatter_known,
         _paired(resonances(low), resonances(high)),
     )
+
+
+SAME_LINE = 1e-9
+"""Share of a frequency within which two records' lines are one."""
 
 
 def _paired(low: Sequence[Resonance], high: Sequence[Resonance]) -> tuple[tuple[Resonance, Resonance], ...]:

@@ -20,6 +20,9 @@ MOST_BLOCKS = 32
 PERIODS_TO_SPARE = 4
 """From so many on the last, of which the record's end belongs to, is not used."""
 
+LEAST_PERIODS = 2
+"""Periods that must be left: of one nothing is seen to repeat."""
+
 NEARBY = 6
 """Lines to each side among which an excitation with detection lines has one that it excites."""
 
@@ -77,6 +80,8 @@ def periods_of(record: Record) -> Periods | None:
     # A recorder that filters a record both ways spoils its end, far below the response but not below its noise.
     end = record.n_samples - (PAD if steady >= PERIODS_TO_SPARE else 0)
     steady = min(steady, end // period)
+    if steady < LEAST_PERIODS:
+        return None
     block = -(-steady // MOST_BLOCKS)
     count = steady // block
     start = end - count * block * period

@@ -26,8 +26,12 @@ class Listener:
     class everything:  # noqa: N801
         timed = ("a record",)
 
-    def __init__(self, *, is_passing=False, has_left=False, fitting=LOUD):
+    def __init__(self, *, is_passing=False, has_left=False, fitting=LOUD, whole=None):
         self.decisions, self.is_passing, self.has_left, self.fitting = [], is_passing, has_left, fitting
+        self.all_predicted, self.ended = whole or (fitting, None)
+
+    def to_the_end(self, calibrated):
+        return self.ended or calibrated
 
     def left_tolerance(self, calibrated):
         return self.has_left
@@ -112,6 +116,15 @@ def test_no_model_is_asked_to_be_closer_than_two_models_of_one_rig_are(error, ve
     assert verdict == "unexplained" or "misses 0.30% of the motion" in session.decisions[-1]
 
 
+def test_what_was_not_fitted_is_asked_too():
+    """A sweep whose first seconds are right: a model that fails later is no complete one."""
+    part, calibrated = quiet(error=0.003)
+    whole = quiet(error=0.05)
+
+    assert verdict_of(Listener(fitting=part), calibrated, calibrated, searched=True) == "complete"
+    assert verdict_of(Listener(fitting=part, whole=whole), calibrated, calibrated, searched=True) == "unexplained"
+
+
 def test_a_law_that_explains_even_so_little_is_named():
     fitting, calibrated = quiet(error=0.003)
     law = fit_leaving(float(fitting.n_data), calibrated.residual, effect=True)
@@ -122,15 +135,29 @@ def test_a_law_that_explains_even_so_little_is_named():
 def test_the_record_that_is_missed_most_counts():
     right = measured(Hypothesis(oscillator()), multisine(), name="right", noise=5e-4)
     wrong = measured(moved(oscillator(), 0.0, 0.01, 0.0), multisine(), name="wrong", noise=5e-4)
-    evaluator = evaluator_of(right, wrong)
+
+    assert missed_of(right, wrong) == pytest.approx(missed_of(wrong))
+    assert missed_of(wrong) > 1e-3 > 2.0 * missed_of(right)
+
+
+def missed_of(*records):
+    evaluator = evaluator_of(*records)
     residual = evaluator.residuals([(Hypothesis(oscillator()), None)])[0]
+    return missed(evaluator, replace(fit_with_ratio(1.0, effect=False), residual=residual))
+
+
+def test_a_channel_in_another_unit_counts_as_much_as_the_others():
+    """A displacement in metres that is half wrong beside accelerations a hundred thousand times as large."""
+    quiet_ones = REFERENCE.model_copy(update={"sensors": REFERENCE.sensors[:4]})
+    read = (*quiet_ones.sensors[:3], quiet_ones.sensors[3].model_copy(update={"quantity": "displacement"}))
+    rig = quiet_ones.model_copy(update={"sensors": read})
+    record, noise = measured(Hypothesis(rig), multisine(), noise=1e-4)
+    evaluator = evaluator_of((replace(record, responses=record.responses * [[1.0], [1.0], [1.0], [1.5]]), noise))
+    residual = evaluator.residuals([(Hypothesis(rig), None)])[0]
 
     found = missed(evaluator, replace(fit_with_ratio(1.0, effect=False), residual=residual))
 
-    alone = evaluator_of(wrong)
-    error = alone.nrmse_of(alone.residuals([(Hypothesis(oscillator()), None)])[0])
-    assert error > 3.0 * alone.nrmse_of_noise
-    assert found == pytest.approx(np.sqrt(error**2 - alone.nrmse_of_noise**2))
+    assert found == pytest.approx(np.sqrt(0.25 * (1.0 / 3.0) ** 2), rel=0.01)
 
 
 def test_an_imitation_is_told_with_its_share():

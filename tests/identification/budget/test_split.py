@@ -151,3 +151,15 @@ def test_what_does_not_repeat_is_not_split():
     rng = np.random.default_rng(9)
     drive = rng.standard_normal(4096)
     assert split_record(record(drive, resonator(drive))) is None
+
+
+@pytest.mark.parametrize("periods", [7, 8, 12])
+def test_a_record_of_which_the_spared_end_leaves_no_two_periods_is_not_split(periods):
+    """Short periods: the recorder's filter spoils 128 samples, more than there are but for one period or two."""
+    drive = np.tile(
+        np.sin(2.0 * np.pi * np.arange(20) / 20.0 * 3.0) + np.cos(2.0 * np.pi * np.arange(20) / 10.0), periods
+    )
+
+    split = split_record(record(drive, drive, noise=1e-3))
+
+    assert (split is None) == (20 * periods - 128 < 2 * 20)
