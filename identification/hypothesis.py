@@ -17,7 +17,7 @@ from models.effects.protocol import Parameter
 from models.plant import Plant, build_plant
 from models.record import Record
 from models.rig import Beam, Rig, RigParameter
-from models.simulate import Response, Settings, simulate, state_at
+from models.simulate import Motion, Response, Settings, motion_at, simulate
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +29,7 @@ class Hypothesis:
         values: path -> value, for numbers that differ from the rig file.
         effects: besides those of the rig file.
         starts: record name -> (2n,) modal state at its first sample; from rest where absent.
+        motions: record name -> how it moves at its first sample, of a part of a record that begins late.
         offsets: record name -> what its excitation channel reads at rest, SI; 0 where absent.
         own: record name -> the record's own numbers of effects (``Effect.record_parameters``), by name.
         registry: kind -> class.
@@ -38,6 +39,7 @@ class Hypothesis:
     values: Mapping[str, float] = field(default_factory=dict)
     effects: tuple[Effect, ...] = ()
     starts: Mapping[str, FloatArray] = field(default_factory=dict)
+    motions: Mapping[str, Motion] = field(default_factory=dict)
     offsets: Mapping[str, float] = field(default_factory=dict)
     own: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     registry: Registry = field(default_factory=lambda: EFFECTS, repr=False)
@@ -59,19 +61,23 @@ class Hypothesis:
             settings: resolution.
             plant: of this hypothesis, if it is at hand.
         """
-        start, own = self.starts.get(record.name), self.own.get(record.name)
+        start, own = self.start_of(record.name), self.own.get(record.name)
         return simulate(plant or self.plant(), self.at_zero(record), settings, start, own)
 
-    def state_at(self, record: Record, sample: int, settings: Settings) -> FloatArray:
-        """(2n,) modal displacements and velocities at a sample of a record.
+    def motion_at(self, record: Record, sample: int, settings: Settings) -> Motion:
+        """How the structure moves at a sample of a record.
 
         Args:
             record: measured.
             sample: counted from 0.
             settings: resolution.
         """
-        start, own = self.starts.get(record.name), self.own.get(record.name)
-        return state_at(self.plant(), self.at_zero(record), sample, settings, start, own)
+        start, own = self.start_of(record.name), self.own.get(record.name)
+        return motion_at(self.plant(), self.at_zero(record), sample, settings, start, own)
+
+    def start_of(self, name: str) -> FloatArray | Motion | None:
+        """State or motion at a record's first sample, None from rest."""
+        return self.starts.get(name, self.motions.get(name))
 
     def at_zero(self, record: Record) -> Record:
         """The record with its excitation less what its channel reads at rest."""

@@ -59,9 +59,13 @@ def judge(
     for number, look in enumerate(looks):
         if number > 0:
             progress("nothing seen so far reaches the noise; looking from elsewhere")
-        sketches = [] if instant is None else look(instant, base, progress)
-        if late:
-            sketches = [_of_whole(sketch, fitting) for sketch in sketches]
+        if instant is not None and instant.is_late:
+            there = instant.there.hypothesis
+            begun = replace(base.hypothesis, motions=there.motions, offsets=there.offsets)
+            found = look(instant, replace(base, hypothesis=begun), progress)
+            sketches = [_of_whole(sketch, fitting) for sketch in found]
+        else:
+            sketches = [] if instant is None else look(instant, base, progress)
         met = not late and any(sketch.fit.ratio < REACHED < base.ratio for sketch in sketches)
         if lasting and (number > 0 or not met):
             sketches += [sketch for view in lasting for sketch in beside(view, base, progress)]

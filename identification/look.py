@@ -5,7 +5,7 @@ records, since a calibration without the missing effect pulls the numbers to whe
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 from identification.calibrate import Windows, beginning, concerning, put_back
@@ -98,8 +98,6 @@ def afar(view: View, base: Fit, progress: Progress) -> list[Sketch]:
         progress: told what is being done.
     """
     start = afresh(base.hypothesis)
-    if view.is_late:
-        start = replace(start, starts=view.there.hypothesis.starts, offsets=view.there.hypothesis.offsets)
     short = beginning(view.evaluator, *HEATS[0][:2])
     bare = fit(short, start, concerning(base, short), max_iterations=0)
     seen = survey(short, bare, view.registry, progress, channels=view.channels, lines=view.lines)

@@ -4,7 +4,7 @@ A sweep comes to the walls after many seconds, and until then a model without th
 state there is where the search begins: what acted before did not show.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -37,7 +37,7 @@ class Onset:
 
     Attributes:
         evaluator: those in which one does, the same beside FRFs and modes; each has a name of its own.
-        hypothesis: the model, with its state where they begin.
+        hypothesis: the model, with its motion where they begin.
         limits: how far each can be predicted.
         seconds: at which each begins in the record that it is of.
     """
@@ -47,49 +47,55 @@ class Onset:
     limits: tuple[Horizon, ...]
     seconds: tuple[float, ...]
 
-    @property
-    def in_words(self) -> str:
-        """Where each begins."""
-        return ", ".join(target.record.name for target in self.evaluator.timed)
 
-
-def onset_of(evaluator: Evaluator, hypothesis: Hypothesis, limits: Sequence[Horizon]) -> Onset | None:
+def onset_of(
+    evaluator: Evaluator, hypothesis: Hypothesis, limits: Sequence[Horizon], seen: Mapping[str, float]
+) -> Onset | None:
     """The records from where the misfit of a model begins in them, None where there is none with enough left of it.
 
     Args:
         evaluator: whole records.
-        hypothesis: the model, right until then; its laws have no memory and no clock.
+        hypothesis: the model, right until then; its motion tells how it goes on (``goes_on``).
         limits: how far each time record can be predicted.
+        seen: seconds at the start of some records that show no misfit, by name; of others those of a window.
     """
     begun: list[tuple[TimeTarget, Horizon, int]] = []
     for target, limit, response in zip(evaluator.timed, limits, evaluator.responses(hypothesis), strict=True):
         predicted = round(limit.seconds * target.record.fs)
         first = _first_sample(target, response.channels)
-        if first is not None and first + LEAST_LEFT * target.record.fs < min(predicted, target.record.n_samples):
+        if first is None or first < seen.get(target.record.name, WINDOW) * target.record.fs:
+            continue
+        if first + LEAST_LEFT * target.record.fs < min(predicted, target.record.n_samples):
             begun.append((target, limit, first))
     if not begun:
         return None
     later: list[Target] = [*evaluator.at_rest]
-    moved, starts, offsets = [], dict(hypothesis.starts), dict(hypothesis.offsets)
+    moved, motions, offsets = [], {}, dict(hypothesis.offsets)
     for target, limit, first in begun:
         seconds = first / target.record.fs
         part = target.later(first, f"{target.record.name} from {seconds:.2f} s")
         name = part.record.name
-        starts[name] = hypothesis.state_at(target.driven, first, evaluator.settings)
+        motions[name] = hypothesis.motion_at(target.driven, first, evaluator.settings)
         offsets[name] = hypothesis.offsets.get(target.record.name, 0.0)
         moved.append(replace(limit, record=name, seconds=limit.seconds - seconds))
         later.append(part)
     return Onset(
         evaluator.with_targets(later),
-        replace(hypothesis, starts=starts, offsets=offsets),
+        replace(hypothesis, motions=motions, offsets=offsets),
         tuple(moved),
         tuple(first / target.record.fs for target, _, first in begun),
     )
 
 
 def goes_on(hypothesis: Hypothesis) -> bool:
-    """Whether a state tells how the motion goes on: no law has a memory or a clock, no record a phase of its own."""
+    """Whether a motion tells how it goes on: no law has a memory or a clock, no record a phase or a start of its own.
+
+    A base that is measured by its velocity or acceleration would begin at rest again.
+    """
     plant = hypothesis.plant()
+    excitation = plant.excitation
+    if hypothesis.starts or (excitation is not None and excitation.quantity not in ("force", "base_displacement")):
+        return False
     with_clock = any(effect.family == "time" or effect.record_parameters for effect in plant.effects)
     return not with_clock and all(law.rate is None for law in plant.laws)
 
@@ -104,7 +110,7 @@ def of_whole(hypothesis: Hypothesis, records: Sequence[AnyRecord]) -> Hypothesis
     names = {record.name for record in records}
     return replace(
         hypothesis,
-        starts={name: state for name, state in hypothesis.starts.items() if name in names},
+        motions={},
         offsets={name: offset for name, offset in hypothesis.offsets.items() if name in names},
         own={name: numbers for name, numbers in hypothesis.own.items() if name in names},
     )

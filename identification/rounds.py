@@ -66,15 +66,20 @@ def _where_it_shows(session: Session, searching: Evaluator, base: Fit, view: Vie
     """The view, or, where its seconds show no misfit, as many from where one begins in the records."""
     if view.there.ratio > NOISE_REACHED or not searching.timed or not goes_on(base.hypothesis):
         return view
+    seen = {target.record.name: target.record.duration for target in view.evaluator.timed}
     try:
-        onset = onset_of(searching, base.hypothesis, session.limits)
+        onset = onset_of(searching, base.hypothesis, session.limits, seen)
     except ArithmeticError:  # beyond what was fitted nothing holds it
         return view
     if onset is None:
         return view
     evaluator = cut_to(onset.evaluator, SCREEN_SECONDS, onset.limits, 2)
-    session.decide(f"the misfit shows late: suspects are looked for in {onset.in_words} on")
-    return replace(view, evaluator=evaluator, there=_there(evaluator, onset.hypothesis, base), is_late=True)
+    moved = replace(view, evaluator=evaluator, there=_there(evaluator, onset.hypothesis, base), is_late=True)
+    if moved.there.ratio <= max(NOISE_REACHED, view.there.ratio):
+        return view
+    names = ", ".join(target.record.name for target in evaluator.timed)
+    session.decide(f"the misfit shows late: suspects are looked for in {names} on")
+    return moved
 
 
 def takes_away(base: Fit, found: Fit) -> float:

@@ -129,7 +129,7 @@ def scenes(
     force = 0.0
     for target in evaluator.timed:
         record = replace(hypothesis.at_zero(target.record), sensors=tuple(sensor.name for sensor in watched.sensors))
-        response = simulate(watched, record, evaluator.settings, hypothesis.starts.get(record.name))
+        response = simulate(watched, record, evaluator.settings, hypothesis.start_of(record.name))
         seen = drive_of(record, watched, 1, {}).seen
         base = np.zeros((2, 1)) if seen is None else seen[:2]  # the probes read absolute motion
         moved, speed = response.channels[0::2] - base[0], response.channels[1::2] - base[1]

@@ -23,7 +23,7 @@ def march_model(
     out: FloatArray,
     trace: FloatArray,
     tolerance: float,
-) -> tuple[int, FloatArray]:
+) -> int:
     """March over all columns of ``out`` and record.
 
     Args:
@@ -38,8 +38,7 @@ def march_model(
         tolerance: change of a force that ends the iteration in a step, N.
 
     Returns:
-        the number of steps done, less than n_steps where the motion left the finite numbers; (2m,) modal displacements
-        and velocities at the end.
+        the number of steps done; less than n_steps where the motion left the finite numbers.
 
     Raises:
         DivergenceError: a stiffness that drifts is used up.
@@ -51,7 +50,7 @@ def march_model(
     done: int = march(
         linear, items_of(model), inputs, drive.base_motion, state, Reading.of(read(system)), out, trace, tolerance
     )
-    return done, system.to_modal @ state
+    return done
 
 
 def _march_drifting(
@@ -64,7 +63,7 @@ def _march_drifting(
     out: FloatArray,
     trace: FloatArray,
     tolerance: float,
-) -> tuple[int, FloatArray]:
+) -> int:
     """The same in segments of constant stiffness, each going on from the state and the memory of the one before."""
     n_steps, m, rate = int(out.shape[1] - 1), model.n, model.plant.structure.stiffness_rate
     check_drift(rate, n_steps * h)
@@ -90,6 +89,6 @@ def _march_drifting(
         )  # fmt: skip
         out[:, at] = part
         if done < last - first:
-            return first + done, modal
+            return first + done
         modal = segments.to_modal[s] @ state
-    return n_steps, modal
+    return n_steps

@@ -66,6 +66,20 @@ class Trace:
 
 
 @dataclass(frozen=True, eq=False)
+class Motion:
+    """How a structure moves about rest at one instant, whatever its modes.
+
+    Attributes:
+        positions: along the beam, m from the clamp; one, None, of an oscillator.
+        displacement, velocity: (n_positions,) m and m/s.
+    """
+
+    positions: tuple[float | None, ...]
+    displacement: FloatArray
+    velocity: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
 class Response:
     """What the model says the sensors read.
 
@@ -86,7 +100,7 @@ def simulate(
     plant: Plant,
     record: Record,
     settings: Settings = Settings(),
-    start: FloatArray | None = None,
+    start: FloatArray | Motion | None = None,
     free: Mapping[str, float] | None = None,
 ) -> Response:
     """Predict a record's channels from its measured excitation.
@@ -95,7 +109,8 @@ def simulate(
         plant: the rig with its effects.
         record: its excitation, rate, length and sensors are used, its responses are not.
         settings: resolution.
-        start: (2n,) modal displacements and velocities at the first sample, from rest by default.
+        start: (2n,) modal displacements and velocities at the first sample, or how another model moves then; from rest
+            by default.
         free: the record's own parameters of effects that have some.
 
     Raises:
@@ -117,15 +132,15 @@ def simulate(
     return Response(channels, factor, model, trace)
 
 
-def state_at(
+def motion_at(
     plant: Plant,
     record: Record,
     sample: int,
     settings: Settings = Settings(),
-    start: FloatArray | None = None,
+    start: FloatArray | Motion | None = None,
     free: Mapping[str, float] | None = None,
-) -> FloatArray:
-    """(2n,) modal displacements and velocities at a sample of a record; laws may remember more than that.
+) -> Motion:
+    """How the structure moves at a sample of a record; laws may remember more than that.
 
     Args:
         plant: the rig with its effects.
@@ -138,13 +153,39 @@ def state_at(
     plant = _at_record(plant, record)
     model, factor, load = _resolved(plant, record, settings, free or {})
     drive, h = drive_of(record, plant, factor, free or {}), 1.0 / (factor * record.fs)
-    state = None if start is None else _resized(start, model.n)
-    out, trace = np.empty((0, sample * factor + 1)), np.empty((0, 0))
-    _, end = march_model(
-        model, drive, h, STOP_EDGE * record.fs, state, lambda system: output_rows(model, system, ()), out, trace,
+    out, trace, everything = np.empty((2 * model.n, sample * factor + 1)), np.empty((0, 0)), np.eye(model.n)
+    march_model(
+        model, drive, h, STOP_EDGE * record.fs, _state_of(start, model),
+        lambda system: np.vstack([system.displacement(everything), system.velocity(everything)]), out, trace,
         FORCE_TOLERANCE * load,
     )  # fmt: skip
-    return end
+    positions = _positions(model)
+    rows = np.stack([model.rows(position) for position in positions])
+    return Motion(positions, rows @ out[: model.n, -1], rows @ out[model.n :, -1])
+
+
+N_POSITIONS = 48
+"""Along a beam at which its motion is told; the shortest wave of the kept modes spans several."""
+
+
+def _positions(model: ModalModel) -> tuple[float | None, ...]:
+    structure = model.plant.structure
+    if not structure.is_beam:
+        return (None,)
+    return tuple((np.arange(1, N_POSITIONS + 1) * structure.length / N_POSITIONS).tolist())
+
+
+def _state_of(start: FloatArray | Motion | None, model: ModalModel) -> FloatArray | None:
+    """(2n,) modal displacements and velocities of a model that starts so; None from rest."""
+    if start is None or not isinstance(start, Motion):
+        return None if start is None else _resized(start, model.n)
+    rows = np.stack([model.rows(position) for position in start.positions])
+    both = np.stack([start.displacement, start.velocity], axis=1)
+    return np.asarray(np.linalg.lstsq(rows, both, rcond=LEAST_SHAPE)[0].T.ravel())
+
+
+LEAST_SHAPE = 1e-6
+"""Shapes of the motion at its positions that are less than this of the largest are taken to be none."""
 
 
 def _resolved(
@@ -234,7 +275,7 @@ def _march(
     record: Record,
     factor: int,
     sensors: tuple[Sensor, ...],
-    start: FloatArray | None,
+    start: FloatArray | Motion | None,
     tolerance: float,
     keep_trace: bool,  # noqa: FBT001
 ) -> tuple[FloatArray, Trace | None]:
@@ -242,8 +283,8 @@ def _march(
     h, n_steps = 1.0 / (factor * record.fs), record.n_samples * factor - 1
     out, n_forces = np.empty((len(sensors), n_steps + 1)), len(model.plant.laws) + len(model.plant.contacts)
     trace = np.empty((n_steps + 1 if keep_trace else 0, 2 * len(model.ports) + n_forces))
-    state = None if start is None else _resized(start, model.n)
-    done, _ = march_model(
+    state = _state_of(start, model)
+    done = march_model(
         model, drive, h, STOP_EDGE * record.fs, state, lambda system: output_rows(model, system, sensors),
         out, trace, tolerance,
     )  # fmt: skip

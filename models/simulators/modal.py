@@ -111,7 +111,7 @@ def _marched(model: ModalModel, drive: Drive, trial: Trial, factor: int, toleran
     out = np.empty((2 * n, n_samples))
     trace = np.empty((n_samples, 2 * n_ports + len(model.plant.laws) + len(model.plant.contacts)))
     start = np.zeros(2 * n) if hold is None else np.append(held(model, hold), np.zeros(n))
-    done, _ = march_model(
+    done = march_model(
         model, drive, h, STOP_EDGE * trial.fs, start,
         lambda system: np.vstack([system.displacement(np.eye(n)), system.velocity(np.eye(n))]),
         out, trace, tolerance,
