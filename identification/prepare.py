@@ -156,21 +156,20 @@ class Horizon:
 def horizons(evaluator: Evaluator, hypothesis: Hypothesis) -> list[Horizon]:
     """Divergence of neighbouring motions in every time record, by simulating it beside two others.
 
-    One is disturbed, in its force and its start, so little that motions part as the tangent says, two by noise as large
-    as the force's, once with the other sign: in proportion to the noise, their mean would be the motion without it.
+    One is disturbed so little that the motions part as the tangent says, two by noise as large as the force's, once
+    with the other sign: in proportion to the noise, their mean would be the motion without it.
     """
     rng = np.random.default_rng(0)
     pushes = [
         None if t.driven.excitation is None else t.noise.excitation * rng.standard_normal(t.driven.n_samples)
         for t in evaluator.timed
     ]
-    nearby = [replace(t, driven=_disturbed(t.driven)) for t in evaluator.timed]
-    moved = replace(hypothesis, starts={name: state * (1.0 + DISTURBANCE) for name, state in hypothesis.starts.items()})
-    runs = [evaluator.responses(hypothesis), evaluator.with_targets(nearby).responses(moved)]
+    runs = [evaluator.responses(hypothesis)] if evaluator.timed else []
+    disturbed = [[replace(t, driven=_disturbed(t.driven)) for t in evaluator.timed]]
     for sign in (1.0, -1.0):
         pairs = zip(evaluator.timed, pushes, strict=True)
-        pushed = [replace(t, driven=_pushed(t.driven, push, sign)) for t, push in pairs]
-        runs.append(evaluator.with_targets(pushed).responses(hypothesis))
+        disturbed.append([replace(t, driven=_pushed(t.driven, push, sign)) for t, push in pairs])
+    runs += [evaluator.with_targets(targets).responses(hypothesis) for targets in disturbed if targets]
     return [
         _horizon(target, *(response.channels for response in responses))
         for target, *responses in zip(evaluator.timed, *runs, strict=True)
