@@ -16,7 +16,7 @@ from identification.fit import Fit, fit
 from identification.hypothesis import effect_unknowns
 from identification.noise_left import NOISE_NEAR
 from identification.outcome import AT_REST_ONLY
-from identification.reached import NOISE_REACHED, is_as_near_as_models, missed, reaches_noise
+from identification.reached import NOISE_DOUBTED, NOISE_REACHED, is_as_near_as_models, missed, reaches_noise
 from identification.result import Verdict
 from identification.rounds import takes_away
 from identification.session import Session
@@ -33,9 +33,6 @@ LATER_SHARE = 0.6
 EXPLAINED_NEAR, EXPLAINED_FAR = 0.9, 0.97
 """Share of the squared misfit beyond the noise that the effects must take away where the noise is not reached: a law
 outside the library finds an imitation in it that takes away most, the right one leaves what all models miss."""
-
-NOISE_DOUBTED = 1.25
-"""Residual over noise up to which what nothing in the library explains may be the noise estimate's own error."""
 
 
 PREDICTS, LARGE_UNSEEN = 0.98, 2.0
@@ -210,7 +207,7 @@ def _finer(session: Session, result: Fit, index: int) -> Iterator[Ranked]:
         yield Ranked.of(found, index)
 
 
-def verdict_of(session: Session, calibrated: Fit, final: Fit, *, searched: bool) -> Verdict:
+def verdict_of(session: Session, calibrated: Fit, final: Fit, *, searched: bool, taken_out: bool = False) -> Verdict:
     """What the end is called, decided and told.
 
     Args:
@@ -218,6 +215,7 @@ def verdict_of(session: Session, calibrated: Fit, final: Fit, *, searched: bool)
         calibrated: the model without effects.
         final: with all that were added.
         searched: whether effects were looked for.
+        taken_out: whether an effect that explained something was taken out again, because its numbers are not told.
     """
     has_effects = bool(final.hypothesis.effects)
     share = takes_away(calibrated, final) if has_effects else 0.0
@@ -225,7 +223,11 @@ def verdict_of(session: Session, calibrated: Fit, final: Fit, *, searched: bool)
     if has_effects and (final.ratio <= NOISE_REACHED or share >= enough):
         session.decide(f"missing effect found; residual {final.ratio:.2f} times the noise")
         return "missing_effect"
-    complete = _complete(session, calibrated, imitated=has_effects, searched=searched)
+    complete = None
+    if not has_effects:
+        complete = _complete(session, calibrated, searched=searched)
+    if complete is None and share < IMITATED and not taken_out:
+        complete = _models_own(session, calibrated)
     if complete is not None:
         session.decide(f"complete: {complete}")
         return "complete"
@@ -238,25 +240,26 @@ def verdict_of(session: Session, calibrated: Fit, final: Fit, *, searched: bool)
     return "unexplained"
 
 
-def _complete(session: Session, calibrated: Fit, *, imitated: bool, searched: bool) -> str | None:
-    """Why nothing is missing in the calibrated model although effects may have been looked for, or None."""
+IMITATED = 0.5
+"""Share of the misfit from which on what an effect takes away may be one, even if the model itself errs by as much."""
+
+
+def _complete(session: Session, calibrated: Fit, *, searched: bool) -> str | None:
+    """Why nothing is missing in the calibrated model, or None."""
     motion = "" if session.everything.timed else " for small motion about rest"
-    if not searched:
+    if not searched or (calibrated.ratio <= NOISE_DOUBTED and not session.left_tolerance(calibrated)):
         return f"the calibrated model reaches the noise{motion}"
-    if session.left_tolerance(calibrated):
-        return None
-    if not imitated and calibrated.ratio <= NOISE_DOUBTED:
-        return f"the calibrated model reaches the noise{motion}"
-    if not imitated and session.is_passing:
+    if session.is_passing and not session.left_tolerance(calibrated):
         return "the calibrated model reaches the noise but for an event that passes"
-    return _models_own(session, calibrated)
+    return None
 
 
 def _models_own(session: Session, calibrated: Fit) -> str | None:
-    """That what is left may be the error of the model's own computation, in what was fitted and in the rest."""
-    if not is_as_near_as_models(session.fitting, calibrated):
+    """That what is left, fitted or not, may be the error of the model's own computation; or None."""
+    if session.left_tolerance(calibrated) or not is_as_near_as_models(session.fitting, calibrated):
         return None
-    whole, ended = session.all_predicted, session.to_the_end(calibrated)
+    ended = session.to_the_end(calibrated)
+    whole = session.all_predicted  # as that fit foresees it
     if not is_as_near_as_models(whole, ended):
         return None
     return (

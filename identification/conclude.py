@@ -89,8 +89,9 @@ def concluded(
     """
     if stages[-1].hypothesis is not polished.hypothesis:
         label = stages[-1].label if verdict == "missing_effect" else "calibrated"
-        kept = [s for s in stages if verdict == "missing_effect" or not s.hypothesis.effects]
-        stages = [*kept[:-1], session.stage(label, polished.hypothesis)]
+        begun = next(i for i, stage in enumerate(stages) if stage.label == "calibrated")
+        kept = stages[:-1] if verdict == "missing_effect" else stages[:begun]
+        stages = [*kept, session.stage(label, polished.hypothesis)]
     if session.relearnt:
         stages = [session.stage(stage.label, stage.hypothesis) for stage in stages]
     calibrated = next(stage for stage in reversed(stages) if stage.label == "calibrated")

@@ -198,15 +198,15 @@ def _ended(
     round; a law gives its place to a simpler one of its round first, where that explains as much. The last round stays
     where it is needed to show what was weighed.
     """
-    searched = bool(rounds)
+    searched, taken_out = bool(rounds), False
     final, weighed, asked = chain[-1], rounds[:1], [set[str]() for _ in rounds]
     while True:
-        verdict = verdict_of(session, chain[0], final, searched=searched)
+        verdict = verdict_of(session, chain[0], final, searched=searched, taken_out=taken_out)
         final = final if verdict == "missing_effect" else chain[0]
         last = settled(session, final)
         doubted = unestablished(last, in_motion=bool(session.everything.timed))
         if verdict != "missing_effect" or doubted is None:
-            if verdict == "unexplained" and not rounds:
+            if verdict != "missing_effect" and not rounds:
                 rounds += weighed
             return verdict, final, last
         index, why = doubted
@@ -225,6 +225,7 @@ def _ended(
             stages.append(session.stage(f"{effect.label()} exchanged for {now.label()}", final.hypothesis))
             continue
         session.decide(f"{effect.label()} taken out again: {why}")
+        taken_out = True
         final = fit_without(session, chain[0], final, index) or chain[0]
         stages.append(session.stage(f"- {effect.label()}", final.hypothesis))
         weighed = [rounds.pop(index)]

@@ -92,8 +92,8 @@ def headline(diagnosis: Diagnosis) -> str:
         with_it = "it" if len(diagnosis.added) == 1 else "them"
         return f"The given model lacks {count}, {named}: with {with_it} {fall}, and {floor_is}{_more(last)}."
     if diagnosis.verdict == "complete":
-        left = f"{floor_is}{_more(last)}"
-        return f"These records show nothing missing: calibrated within its tolerances, {fall}, and {left}."
+        own = "; what is left beyond it is the model's own error" if _more(last) else ""
+        return f"These records show nothing missing: calibrated within its tolerances, {fall}, and {floor_is}{own}."
     return (
         f"Something is missing that no effect of the library explains: the best model still errs by "
         f"{percent(last.nrmse)} (as given {percent(first.nrmse)}), while {floor_is}."
