@@ -122,9 +122,10 @@ def level_changes(levels: Sequence[Level]) -> tuple[LevelChange, ...]:
 
 
 def _change(low: Level, high: Level) -> LevelChange:
-    second = np.clip(np.searchsorted(high.frequency, low.frequency * (1.0 - SAME_LINE)), 0, len(high.frequency) - 1)
-    first = np.flatnonzero(np.isclose(low.frequency, high.frequency[second], rtol=SAME_LINE, atol=0.0))
-    second = second[first]
+    after = np.searchsorted(high.frequency, low.frequency * (1.0 - SAME_LINE))
+    near = np.append(high.frequency, np.inf)[after]
+    first = np.flatnonzero(np.isclose(low.frequency, near, rtol=SAME_LINE, atol=0.0))
+    second = after[first]
     return LevelChange(
         low,
         high,

@@ -27,9 +27,13 @@ class BudgetTable:
         findings: in an engineer's words, of the other records too.
     """
 
-    causes: tuple[str, ...]
-    rows: tuple[Mapping[str, object], ...]
-    findings: tuple[str, ...]
+    causes: tuple[str, ...] = ()
+    rows: tuple[Mapping[str, object], ...] = ()
+    findings: tuple[str, ...] = ()
+
+
+MOST_SAMPLES = 4_000_000
+"""Of all channels together that a report splits: some 200 B each are held at once."""
 
 
 def budget_table(diagnosis: Diagnosis, rig: Rig) -> BudgetTable | None:
@@ -42,6 +46,8 @@ def budget_table(diagnosis: Diagnosis, rig: Rig) -> BudgetTable | None:
     records = [row.record for row in diagnosis.final.score.records]
     if not records:
         return None
+    if sum(record.responses.size for record in records) > MOST_SAMPLES:
+        return BudgetTable(findings=("The records are too long to be split here: testbed budget splits them.",))
     unit = unit_of(rig.excitation.quantity) if rig.excitation is not None else ""
     budget = budget_of(records, unit)
     told = [cause for cause in CAUSES if any(not np.isnan(s.shares[cause].total).all() for s in budget.splits)]
@@ -74,7 +80,8 @@ def _part(split: Split, cause: Cause) -> str:
     share = split.shares[cause]
     if np.isnan(share.total).all():
         return "not told"
-    return _share(split, np.nan_to_num(share.total)) if share.found.any() else "none"
+    found = np.where(share.found.any(axis=1), np.nan_to_num(share.total), 0.0)
+    return _share(split, found) if found.any() else "not above chance"
 
 
 def _share(split: Split, power: FloatArray) -> str:

@@ -40,8 +40,19 @@ def _commands(command, path=()):
 def test_every_option_is_told_where_its_command_is(path, command):
     head, *sections = re.split(r"^## ", PAGE, flags=re.MULTILINE)
     (section,) = [text for text in sections if path[0] in text.split("\n", 1)[0].split()]
-    options = {option for parameter in command.params for option in parameter.opts if option.startswith("--")}
-    assert {option for option in options if option not in head + section} == set()
+    words = set(re.findall(r"(?<![\w-])--[\w-]+", section))
+    words |= {
+        option
+        for option, where in re.findall(r"^\| `(--\w+).*?` \| (.*?) \|", head, re.MULTILINE)
+        if _is_of(where, path)
+    }
+    options = {o for parameter in command.params for o in (*parameter.opts, *parameter.secondary_opts)}
+    assert {option for option in options if option.startswith("--")} <= words
+
+
+def _is_of(where, path):
+    """Whether the table's column says that an option is of a command; "all" and words like it are not asked further."""
+    return path[0] in where or where.startswith("all")
 
 
 def test_the_examples_run_one_after_the_other(tmp_path, monkeypatch, capsys):

@@ -146,7 +146,7 @@ def test_the_budget_says_what_a_model_could_still_gain(rig):
     (row,) = table.rows
     shares = dict(zip(table.causes, row["causes"], strict=True))
     assert _percent(shares["even"]) == pytest.approx(1.0, rel=0.05)
-    assert shares["odd"] == "none"
+    assert shares["odd"] == "not above chance"
     calibrated, final = row["models"]
     assert _percent(calibrated["possible"]) == pytest.approx(24.0, rel=0.02)
     assert _percent(calibrated["nonlinear"]) == pytest.approx(0.24, rel=0.1)
