@@ -235,7 +235,7 @@ def default_rows(diagnosis: Diagnosis, rig: Rig) -> list[tuple[str, str]]:
         ("tolerances (one standard deviation)", tolerances or "none: no number of the rig was moved"),
         ("noise floor", "estimated from each record, see above; the excitation's noise is carried through the model"),
         ("least noise", f"{LEAST_NOISE:g} of a channel's rms"),
-        ("the model's own error, where nothing explains it", f"up to {percent(MODELS_APART)} of the motion with impacts"),
+        ("the model's own error, if unexplained", f"up to {percent(MODELS_APART)} of the motion with impacts"),
         ("time step", f"at least {STEP_RATE:g} steps a second"),
         ("seed", str(diagnosis.seed)),
         ("time taken", f"{diagnosis.seconds:.0f} s"),
