@@ -18,13 +18,13 @@ where the motion is large, hardly shows among all samples. Models of other maker
 of the noise."""
 
 
-MODELS_APART, LINEAR_APART = 0.004, 0.001
+MODELS_APART, LINEAR_APART = 0.005, 0.001
 """Share of the motion by which two ways to compute the same rig differ, with impacts and without: modes and a chain of
 segments at its default are 0.3 to 1 % apart in a second with impacts, their linear FRFs at most 0.008 dB
 (results/crosscheck). No structure is known better, however quiet its sensors are."""
 
-NOISE_KNOWN = 0.9
-"""Share of the noise that is surely there: it is known to about a tenth."""
+QUIET = 0.01
+"""Noise, as a share of the motion, above which what is beyond it is not told so finely: it is known to about a tenth."""
 
 
 NOISE_DOUBTED = 1.25
@@ -40,7 +40,7 @@ def is_as_near_as_models(evaluator: Evaluator, result: Fit) -> bool:
         evaluator: records of the fit.
         result: of them.
     """
-    if not evaluator.timed:
+    if not evaluator.timed or max(target.nrmse_of_noise for target in evaluator.timed) > QUIET:
         return False
     share = missed(evaluator, result)
     near = share <= LINEAR_APART or (share <= MODELS_APART and _strikes(evaluator, result.hypothesis))
@@ -77,7 +77,7 @@ def missed(evaluator: Evaluator, result: Fit) -> float:
 
 def _missed(target: TimeTarget, residual: FloatArray) -> float:
     error = np.sum(np.abs(unwhitened(residual, target)) ** 2, axis=1)
-    noise = NOISE_KNOWN**2 * np.sum(target.density, axis=1)
+    noise = np.sum(target.density, axis=1)
     power = np.sum(np.abs(target.measured) ** 2, axis=1) / target.record.n_samples
     with np.errstate(invalid="ignore", divide="ignore"):
         return float(np.sqrt(np.mean(np.maximum(error - noise, 0.0) / power)))
