@@ -24,7 +24,7 @@ segments at its default are 0.3 to 1 % apart in a second with impacts, their lin
 (results/crosscheck). No structure is known better, however quiet its sensors are."""
 
 QUIET = 0.01
-"""Noise, as a share of the motion, above which what is beyond it is not told so finely: it is known to about a tenth."""
+"""Noise, as a share of the motion, above which what lies beyond it is not told: it is known to about a tenth."""
 
 
 NOISE_DOUBTED = 1.25
