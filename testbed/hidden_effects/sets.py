@@ -8,7 +8,8 @@ absorbers come out otherwise when they are drawn again.
 A case is judged by the diagnosis as it was before anybody had looked at the case: what a batch of reported cases taught
 is mended after it, and judged by the next batch, of another seed, so that the batches count together (prequentially;
 A. P. Dawid, J. R. Stat. Soc. A 147 (1984) 278). What was looked at is there to tune on. Of seed 12659 up to 27 cases
-had been run on earlier commits, of which no more was read than right or wrong.
+had been run on earlier commits, of which no more was read than right or wrong. The sixtieth of seed 16963
+was stopped by the clock, after 3 minutes.
 """
 
 from collections.abc import Mapping
@@ -179,7 +180,13 @@ REPORTED = CaseSet(
         ),
         13903: Batch("3c09011", 21, "nothing yet: its one miss has the true spring beside it in the stated group"),
         15101: Batch("bee8bad", 45, "nothing: all are right"),
-        16963: Batch("9a6cd13"),
+        16963: Batch(
+            "9a6cd13",
+            59,
+            "nothing yet: beside a sensor's fault that leaves 0.96 or 1.05 times the noise no second effect is looked "
+            "for, and in a chaotic rig a contact that is gone stood for one that stiffens",
+        ),
+        18121: Batch("a74d71e"),
     },
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),

@@ -1,7 +1,7 @@
 import pytest
 from made_up_cases import SEED, every_bar_met, failed, made_up
 
-from testbed.hidden_effects.scores import in_a_line, summary_of
+from testbed.hidden_effects.scores import in_a_line, seconds, summary_of
 
 
 def bar(summary, name):
@@ -120,6 +120,14 @@ def test_where_the_smallest_is_right_the_limit_lies_below():
 
 def test_without_a_case_no_bar_is_missed_but_those_that_count_cases():
     assert summary_of([], "tuning")["missed"] == ["cases", "of them with nothing hidden"]
+
+
+def test_seconds_are_those_on_the_cores_that_the_bar_means():
+    cases = [{"seconds": {"draw": 1.0, "diagnosis": s, "threads": n}} for s, n in ((90.0, 1), (80.0, 1), (40.0, 2))]
+
+    assert seconds(cases)["median"] == 40.0
+    assert seconds(cases)["others"] == {"cases": 2, "median": 85.0}
+    assert seconds(cases[:2])["median"] == 85.0
 
 
 def test_progress_says_case_engine_result_and_seconds():
