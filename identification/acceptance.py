@@ -86,7 +86,7 @@ def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
     )
     tell_tangent(session, best)
     refined = _refined(session, best.fit)
-    return refined if session.holds(refined.hypothesis) else best.fit
+    return refined if refined is best.fit or session.holds(refined.hypothesis) else best.fit
 
 
 def tell_tangent(session: Session, added: Ranked) -> None:

@@ -314,14 +314,22 @@ class Evaluator:
         parts = [f"{sum(target.record.duration for target in self.timed):.1f} s of records"] if self.timed else []
         return " and ".join([*parts, *(target.record.name for target in self.at_rest)])
 
+    def parts_of(self, residual: FloatArray) -> list[tuple[Target, FloatArray]]:
+        """Each target with its part of a residual.
+
+        Args:
+            residual: (n_data,) over all targets.
+        """
+        ends = np.cumsum([target.n_data for target in self.targets])
+        return list(zip(self.targets, np.split(residual, ends[:-1]), strict=True))
+
     def nrmse_of(self, residual: FloatArray) -> float:
         """NRMSE of a residual over all targets, the squares of the records averaged.
 
         Args:
             residual: (n_data,) in units of the noise.
         """
-        parts = np.split(residual, np.cumsum([target.n_data for target in self.targets])[:-1])
-        errors = [target.nrmse_left(part) for target, part in zip(self.targets, parts, strict=True)]
+        errors = [target.nrmse_left(part) for target, part in self.parts_of(residual)]
         return float(np.sqrt(np.mean(np.square(errors))))
 
     @property

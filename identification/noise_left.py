@@ -92,10 +92,9 @@ def with_noise(
 
 def _spectra(evaluator: Evaluator, residual: FloatArray) -> list[tuple[TimeTarget, ComplexArray]]:
     """(n, lines) of what is left in each time record."""
-    ends = np.cumsum([target.n_data for target in evaluator.targets])
     return [
         (target, unwhitened(part, target))
-        for target, part in zip(evaluator.targets, np.split(residual, ends[:-1]), strict=True)
+        for target, part in evaluator.parts_of(residual)
         if isinstance(target, TimeTarget)
     ]
 

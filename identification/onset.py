@@ -1,7 +1,7 @@
 """Where in the records a misfit begins, and those records from there on.
 
-A sweep comes to the walls after many seconds, and until then a model without the missing effect is right. So its own
-state there is where the search begins: what acted before did not show.
+A sweep comes to the walls after many seconds, and until then a model without the missing effect is right. So the
+motion by it there is where the search begins: what acted before did not show.
 """
 
 from collections.abc import Mapping, Sequence

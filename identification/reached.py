@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from identification.evaluate import Evaluator, Target, TimeTarget, unwhitened
+from identification.evaluate import Evaluator, TimeTarget, unwhitened
 from identification.fit import Fit
 from identification.hypothesis import Hypothesis
 from models.arrays import FloatArray
@@ -44,7 +44,8 @@ def is_as_near_as_models(evaluator: Evaluator, result: Fit) -> bool:
         return False
     share = missed(evaluator, result)
     near = share <= LINEAR_APART or (share <= MODELS_APART and _strikes(evaluator, result.hypothesis))
-    at_rest = [part for target, part in _parts(evaluator, result) if not isinstance(target, TimeTarget)]
+    parts = evaluator.parts_of(result.residual)
+    at_rest = [part for target, part in parts if not isinstance(target, TimeTarget)]
     return near and all(np.mean(part**2) <= NOISE_DOUBTED**2 for part in at_rest)
 
 
@@ -53,12 +54,6 @@ def _strikes(evaluator: Evaluator, hypothesis: Hypothesis) -> bool:
     traces = [response.trace for response in evaluator.responses(hypothesis, replace(evaluator.settings, trace=True))]
     touching = [trace.contact_forces != 0.0 for trace in traces if trace is not None]
     return any(bool((each.any(axis=1) & ~each.all(axis=1)).any()) for each in touching)
-
-
-def _parts(evaluator: Evaluator, result: Fit) -> list[tuple[Target, FloatArray]]:
-    """Each record with what is left of it."""
-    parts = np.split(result.residual, np.cumsum([target.n_data for target in evaluator.targets])[:-1])
-    return list(zip(evaluator.targets, parts, strict=True))
 
 
 def missed(evaluator: Evaluator, result: Fit) -> float:
@@ -71,8 +66,8 @@ def missed(evaluator: Evaluator, result: Fit) -> float:
     Returns:
         that of the record in which it is most; NaN where a channel cannot be told.
     """
-    timed = [pair for pair in _parts(evaluator, result) if isinstance(pair[0], TimeTarget)]
-    return float(np.max([_missed(target, part) for target, part in timed if isinstance(target, TimeTarget)]))
+    parts = evaluator.parts_of(result.residual)
+    return float(np.max([_missed(target, part) for target, part in parts if isinstance(target, TimeTarget)]))
 
 
 def _missed(target: TimeTarget, residual: FloatArray) -> float:

@@ -242,6 +242,11 @@ class Diagnosis:
     calibration: tuple[CalibrationFinding, ...] = field(default=())
 
     @property
+    def calibrated(self) -> Stage:
+        """The model without effects, its numbers within their tolerances."""
+        return next(stage for stage in reversed(self.stages) if stage.label == "calibrated")
+
+    @property
     def final(self) -> Stage:
         """The last model."""
         return self.stages[-1]

@@ -1,6 +1,6 @@
 """From a plant and a record's excitation to the channels that the model predicts."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -160,7 +160,7 @@ def motion_at(
         FORCE_TOLERANCE * load,
     )  # fmt: skip
     positions = _positions(model)
-    rows = np.stack([model.rows(position) for position in positions])
+    rows = _rows_at(positions, model)
     return Motion(positions, rows @ out[: model.n, -1], rows @ out[model.n :, -1])
 
 
@@ -177,11 +177,18 @@ def _positions(model: ModalModel) -> tuple[float | None, ...]:
 
 def _state_of(start: FloatArray | Motion | None, model: ModalModel) -> FloatArray | None:
     """(2n,) modal displacements and velocities of a model that starts so; None from rest."""
-    if start is None or not isinstance(start, Motion):
-        return None if start is None else _resized(start, model.n)
-    rows = np.stack([model.rows(position) for position in start.positions])
+    if start is None:
+        return None
+    if not isinstance(start, Motion):
+        return _resized(start, model.n)
     both = np.stack([start.displacement, start.velocity], axis=1)
-    return np.asarray(np.linalg.lstsq(rows, both, rcond=LEAST_SHAPE)[0].T.ravel())
+    state = np.linalg.lstsq(_rows_at(start.positions, model), both, rcond=LEAST_SHAPE)[0]
+    return np.asarray(state.T.ravel())
+
+
+def _rows_at(positions: Sequence[float | None], model: ModalModel) -> FloatArray:
+    """(n_positions, n) displacement by modal coordinate."""
+    return np.stack([model.rows(position) for position in positions])
 
 
 LEAST_SHAPE = 1e-6

@@ -81,7 +81,7 @@ def diagnosed(case: Case, threads: int) -> Json:
     """
     found = diagnose(case.rig, case.records, (case.holdout,), seed=case.task.number, jobs=threads)
     content: Json = diagnosis_json(found)
-    calibrated = next(stage for stage in reversed(found.stages) if stage.label == "calibrated")
+    calibrated = found.calibrated
     held_out = assess(calibrated.hypothesis, (case.holdout,), jobs=threads, seed=case.task.number).nrmse
     beam = case.rig.structure
     assert isinstance(beam, Beam)

@@ -218,7 +218,7 @@ def _result_of(test: Halves, seed: int) -> WeightResult:
             estimate = next(e for e in added.estimates if e.name == "friction_force")
             force, std = float(np.mean(estimate.value)), float(np.mean(estimate.std))
             break
-    calibrated = next(stage for stage in reversed(found.stages) if stage.label == "calibrated")
+    calibrated = found.calibrated
     loose = _loose(test.first)
     stages = (Hypothesis(FRAME), calibrated.hypothesis, found.final.hypothesis, loose)
     left = [_predicted(hypothesis, test.second) for hypothesis in stages]

@@ -56,15 +56,11 @@ def budget_table(diagnosis: Diagnosis, rig: Rig) -> BudgetTable | None:
             "record": split.record.name,
             "noise": _share(split, split.noise.sum(axis=1)),
             "causes": [_part(split, cause) for cause in told],
-            "models": [_model(split, stage) for stage in (_calibrated(diagnosis), diagnosis.final)],
+            "models": [_model(split, stage) for stage in (diagnosis.calibrated, diagnosis.final)],
         }
         for split in budget.splits
     ]
     return BudgetTable(tuple(cause.replace("_", " ") for cause in told), tuple(rows), budget.findings())
-
-
-def _calibrated(diagnosis: Diagnosis) -> Stage:
-    return next(stage for stage in reversed(diagnosis.stages) if not stage.hypothesis.effects)
 
 
 def _model(split: Split, stage: Stage) -> Mapping[str, str]:
