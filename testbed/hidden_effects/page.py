@@ -165,9 +165,10 @@ def _counts(summary: Json) -> Iterator[str]:
     if seconds["cases"]:
         yield f"Seconds are those of the diagnosis alone, {threads_of(seconds)}, whatever else ran beside"
         yield f"it; to draw and simulate a case took {seconds['draw_median']:.3g} s (median)."
-        if seconds["others"]["cases"]:
-            yield f"The other {seconds['others']['cases']} cases ran on one thread each, mostly beside another case:"
-            yield f"{seconds['others']['median']:.3g} s (median)."
+        others = seconds["others"]
+        if others["cases"]:
+            yield f"The other {others['cases']} cases ran on {threads_of(others)}, mostly beside another case:"
+            yield f"{others['median']:.3g} s (median)."
 
 
 def _numbers(numbers: Json) -> Iterator[str]:

@@ -218,18 +218,16 @@ def seconds(cases: Sequence[Json]) -> Json:
     """
     rows = [case["seconds"] for case in cases]
     asked = [row for row in rows if row["threads"] == CORES] or rows
-    others = [row["diagnosis"] for row in rows if row not in asked]
+    others = [row for row in rows if row not in asked]
 
-    def median(key: str) -> float | None:
-        return float(np.median([row[key] for row in asked])) if asked else None
+    def about(some: Sequence[Json]) -> Json:
+        middle = float(np.median([row["diagnosis"] for row in some])) if some else None
+        return {"cases": len(some), "median": middle, "threads": sorted({row["threads"] for row in some})}
 
-    return {
-        "cases": len(asked),
-        "median": median("diagnosis"),
-        "draw_median": median("draw"),
-        "threads": sorted({row["threads"] for row in asked}),
+    return about(asked) | {
+        "draw_median": float(np.median([row["draw"] for row in asked])) if asked else None,
         "rows": [row["diagnosis"] for row in asked],
-        "others": {"cases": len(others), "median": float(np.median(others)) if others else None},
+        "others": about(others),
     }
 
 

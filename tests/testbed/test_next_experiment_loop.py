@@ -52,10 +52,7 @@ def test_the_file_that_a_diagnosis_writes_settles_what_it_left_open(tmp_path):
 
     write_rig(BUILT.updated_rig, tmp_path / "built.toml")
     write_experiment(proposal, tmp_path / "built.toml", tmp_path)
-    hidden = (
-        '\n[[truth.effects]]\nkind = "coulomb_friction"\nposition = 0.7\nfriction_force = 0.3\nslip_velocity = 1e-2\n'
-    )
-    (tmp_path / EXPERIMENT).write_text((tmp_path / EXPERIMENT).read_text() + hidden)
+    (tmp_path / EXPERIMENT).write_text((tmp_path / EXPERIMENT).read_text() + HIDDEN)
     order = Order(tmp_path / "built.toml", tmp_path / EXPERIMENT, "mujoco", Resolution(), ".h5")
     done = run_experiment(order, tmp_path / "records", jobs=1, progress=lambda _: None)
     rig = REFERENCE
