@@ -1,3 +1,3 @@
-"""What a person touches: records, commands, reports and the browser application."""
+"""What a person touches: records, commands and reports."""
 
 __version__ = "0.1.0"

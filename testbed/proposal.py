@@ -1,5 +1,7 @@
 """The next experiment as JSON, as rows of a table and as files that ``testbed simulate`` runs."""
 
+import os
+import shlex
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -74,20 +76,22 @@ def excitation_rows(proposal: Proposal) -> list[tuple[str, str]]:
     return [(key, value if isinstance(value, str) else f"{value:.4g}") for key, value in table.items()]
 
 
-def write_experiment(proposal: Proposal, like: Path, folder: Path) -> None:
+def write_experiment(proposal: Proposal, like: Path, folder: Path, home: Path | None = None) -> None:
     """Write ``next_experiment.toml``, and the rig with its new sensor where the test asks for one.
 
     Args:
         proposal: of a finished diagnosis; without a test nothing is written.
         like: the owner's rig file.
         folder: of the results.
+        home: where these will lie in the end, if not there; the command in the file runs in it.
 
     Raises:
         InputError: the folder cannot be written.
     """
     if proposal.test is None:
         return
-    (folder / EXPERIMENT).write_text(_experiment(proposal, proposal.test, like), encoding="utf-8")
+    rig = RIG if proposal.rig is not None else _seen_from(home or folder, like)
+    (folder / EXPERIMENT).write_text(_experiment(proposal, proposal.test, rig), encoding="utf-8")
     if proposal.rig is not None:
         write_rig(proposal.rig, folder / RIG, like=like)
 
@@ -102,12 +106,20 @@ def stale(proposal: Proposal) -> tuple[str, ...]:
     return tuple(name for name, is_missing in missing.items() if is_missing)
 
 
-def _experiment(proposal: Proposal, test: PlannedTest, like: Path) -> str:
+def _seen_from(folder: Path, file: Path) -> str:
+    """The path of a file for whoever works in a folder; the whole path where no relative one leads there."""
+    try:
+        return os.path.relpath(file.resolve(), folder.resolve())
+    except ValueError:
+        return str(file.resolve())
+
+
+def _experiment(proposal: Proposal, test: PlannedTest, rig: str) -> str:
     """The text of an experiment file (docs/experiments.md)."""
-    rig = RIG if proposal.rig is not None else like.name
     anywhere = " --format h5" if "position" in test.excitation and not test.is_held else ""
+    command = f"testbed simulate {shlex.quote(rig)} {EXPERIMENT}{anywhere} --out next_records"
     document = tomlkit.document()
-    for line in (f"The next experiment: {proposal.do}.", f"testbed simulate {rig} {EXPERIMENT}{anywhere}"):
+    for line in (f"The next experiment: {proposal.do}.", f"To try it on the model, in this folder: {command}"):
         document.add(tomlkit.comment(line))
     document.add("fs", tomlkit.item(test.fs))
     document.add("seed", tomlkit.item(SEED))

@@ -99,7 +99,7 @@ def _diagnose(inputs: Inputs, out: Path, wanted: Json, *, jobs: int, command: st
     with staged(out) as stage:
         (stage / DIAGNOSIS).write_text(json_text(content), encoding="utf-8")
         remember(out, stage, models, like=inputs.rig_path, command=command)
-        write_experiment(diagnosis.next_experiment, inputs.rig_path, stage)
+        write_experiment(diagnosis.next_experiment, inputs.rig_path, stage, home=out)
         write_report(diagnosis, inputs.rig, stage, provenance(inputs.rig_path, inputs.record_paths, seed, command))
         run = {"inputs": wanted, "outputs": _digests(stage), "command": command}
         (stage / LAST).write_text(json_text(run), encoding="utf-8")

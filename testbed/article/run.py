@@ -63,7 +63,7 @@ def _check_packages() -> None:
         raise InputError(
             f"{', '.join(missing)}: not installed",
             f"the probabilistic part of the study takes {', '.join(PACKAGES)}",
-            'pip install "clearance-testbed[probability]"',
+            "run make once, which installs them, or in the project's folder: pip install -e '.[probability]'",
         )
 
 

@@ -31,7 +31,7 @@ def film(
     out: Out = None,
     as_json: AsJson = False,
 ) -> None:
-    """Film the rig as it was driven: an animated GIF, and a GLB that any browser's viewer turns and plays."""
+    """Film the rig as it was driven: an animated GIF, and a GLB that any glTF viewer turns and plays."""
     folder = out_folder(out, of)
     with progress() as tell:
         from testbed.film.run import Order

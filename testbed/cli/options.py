@@ -19,7 +19,7 @@ Out = Annotated[
     ),
 ]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of every random choice.")]
-Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Threads.")]
+Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Threads or processes.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print the JSON, and nothing else, on standard output.")]
 Without = Annotated[
     list[str] | None,

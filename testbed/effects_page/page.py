@@ -48,7 +48,8 @@ Tables, signatures and pictures are made from the library by `{COMMAND}`.
   `against = "ground"` makes them absolute.
 - Time starts at each record's first sample. At rest friction and hysteresis carry no force (`z = 0`).
 - A sensor pair is `sensor` and `other`, whichever comes first.
-- A sleeve and its position are the same place. On an oscillator an effect has no place, unless it sits on a sensor.
+- A sleeve and its position are the same place. On an oscillator there is one place only, so `position` is left out,
+  also where a table says "position"; an effect of a sensor still names it.
 - Effects act in the order of the file. Those that change a sleeve (its clearance, offset, stiffness, damping) change
   what another effect there sees, wherever it stands in the file; of two that replace the same thing the last counts.
 - `p` is the penetration of a sleeve's contact and `k p` the elastic part of its force.

@@ -95,7 +95,7 @@ def silverbox_page(study: Silverbox, command: str) -> str:
     """
 
     def rest() -> Iterator[str]:
-        yield "Rms error of free simulation, from rest, with no number taken from the tests:"
+        yield "Rms error of free simulation, from rest, with no number taken from the tests (volts stand for N and m):"
         yield ""
         yield "| model | multisine test [mV] | arrow [mV] |"
         yield "|---|---|---|"

@@ -10,6 +10,7 @@ from models.rig import Rig
 from testbed.figures.report_style import report_style
 from testbed.proposal import HEADS, excitation_rows, option_rows
 from testbed.report.budget_rows import budget_table
+from testbed.report.evidence import because, evidence_picture
 from testbed.report.figures import (
     error_steps,
     force_pictures,
@@ -94,9 +95,8 @@ def _content(diagnosis: Diagnosis, rig: Rig, provenance: Provenance) -> dict[str
         "candidates": candidates[:CANDIDATES],
         "more_candidates": candidates[CANDIDATES:],
         "groups": group_rows(diagnosis),
-        "evidence": None
-        if diagnosis.verdict == "complete"
-        else next(iter((*filter(None, [place]), *forces, *frfs)), None),
+        "because": because(diagnosis),
+        "evidence": evidence_picture(diagnosis, rig, place) or next(iter((*forces, *frfs)), None),
         "frfs": frfs,
         "maps": map_pictures(diagnosis, rig),
         "place": place,

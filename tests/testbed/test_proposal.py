@@ -1,5 +1,6 @@
 """The next experiment in the files: as JSON, as a table, and as an experiment that runs."""
 
+import shlex
 import tomllib
 from dataclasses import replace
 
@@ -13,6 +14,7 @@ from identification.next_experiment.proposal import Proposal
 from models.rig_file import read_rig
 from models.rig_parts import Sensor
 from models.simulators.protocol import Resolution
+from testbed.cli.app import main
 from testbed.proposal import (
     EXPERIMENT,
     HEADS,
@@ -75,6 +77,22 @@ def test_the_experiment_that_is_written_runs(tmp_path, rig_path):
     assert read.sensors["P1"].noise_density * np.sqrt(FS / 2.0) == pytest.approx(0.01, rel=1e-2)
     assert [row["record"] for row in done["records"]] == ["sweep_2.h5"]
     assert stale(proposal) == (RIG,)
+
+
+def test_the_command_in_the_file_runs_in_its_folder(tmp_path, rig_path, monkeypatch):
+    home = tmp_path / "results" / "my rig"
+    home.mkdir(parents=True)
+    (tmp_path / "stage").mkdir()
+    write_experiment(made_up_proposal(), rig_path, tmp_path / "stage", home=home)
+    (tmp_path / "stage" / EXPERIMENT).rename(home / EXPERIMENT)
+
+    (line,) = [line for line in (home / EXPERIMENT).read_text().splitlines() if "testbed simulate" in line]
+    words = shlex.split(line[line.index("simulate") :])
+
+    assert words[1] == "../../rig.toml"
+    monkeypatch.chdir(home)
+    assert main(words) == 0
+    assert (home / "next_records" / "sweep_2.uff").is_file()
 
 
 def test_the_rivals_stand_in_the_file_for_whoever_tries_it_on_one(tmp_path, rig_path):

@@ -80,12 +80,12 @@ def test_the_picture_that_shows_the_verdict_stands_under_it_and_nowhere_else(dia
     assert not set(above) & set(below)
 
 
-def test_of_a_complete_model_the_error_is_the_picture(diagnosis, tmp_path):
+def test_of_a_complete_model_the_error_and_what_is_left_are_the_pictures(diagnosis, tmp_path):
     nothing = replace(
         diagnosis, verdict="complete", added=(), candidates=(), indistinguishable=(), stages=diagnosis.stages[:2]
     )
     above, below = pictures_of(nothing, tmp_path)
-    assert [text.split(":")[0] for text in above] == ["Error by model"]
+    assert [text.split(":")[0] for text in above] == ["Error by model", "What the models leave of P1 in sweep.csv"]
     assert f"Place of the missing force: {WORDS}" in below
 
 
