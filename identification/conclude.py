@@ -1,11 +1,10 @@
 """The end of a diagnosis: a last fit of everything, what is left where, what was kept aside, what to measure next."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from time import perf_counter
 
 import numpy as np
 
-from identification.assess import score, with_starts
 from identification.consistency.find import calibration_findings
 from identification.consistency.finding import CalibrationFinding
 from identification.evaluate import Evaluator
@@ -18,16 +17,16 @@ from identification.evidence import (
 from identification.fit import Fit
 from identification.hypothesis import Hypothesis
 from identification.intervals import corrected
+from identification.kept_aside import kept_aside
 from identification.locating.beside import BesideRun, runs_beside
 from identification.locating.locate import locate
 from identification.locating.located import Located
 from identification.maps import error_map
 from identification.missing_force import forces_of
 from identification.next_experiment.propose import next_experiment
-from identification.noise_left import noise_left, with_noise
 from identification.outcome import AT_REST_ONLY, added_effects, candidates_of, groups_of, rig_estimates
-from identification.prepare import cut_to, prepare
-from identification.result import Diagnosis, Score, Stage, Verdict
+from identification.prepare import cut_to
+from identification.result import Diagnosis, Stage, Verdict
 from identification.session import Session
 from identification.unstrained import moved_back, unstrained
 from models.record import AnyRecord
@@ -90,8 +89,8 @@ def concluded(
     if stages[-1].hypothesis is not polished.hypothesis:
         label = stages[-1].label if verdict == "missing_effect" else "calibrated"
         begun = next(i for i, stage in enumerate(stages) if stage.label == "calibrated")
-        kept = stages[:-1] if verdict == "missing_effect" else stages[:begun]
-        stages = [*kept, session.stage(label, polished.hypothesis)]
+        before = stages[:-1] if verdict == "missing_effect" else stages[:begun]
+        stages = [*before, session.stage(label, polished.hypothesis)]
     if session.relearnt:
         stages = [session.stage(stage.label, stage.hypothesis) for stage in stages]
     calibrated = next(stage for stage in reversed(stages) if stage.label == "calibrated")
@@ -105,6 +104,7 @@ def concluded(
     beside = runs_beside(heard, calibrated.hypothesis)
     forces = forces_of(beside)
     updated_maps = tuple(error_map(record) for record in stages[-1].score.records)
+    kept = kept_aside(session, given, polished.hypothesis, holdout)
     proposal = next_experiment(
         session,
         verdict,
@@ -120,7 +120,7 @@ def concluded(
         candidates=candidates_of(first, chances, session.fitting),
         indistinguishable=groups if verdict == "missing_effect" else (),
         stages=tuple(stages),
-        holdout=_held_out(session, given, polished.hypothesis, holdout, seed),
+        holdout=kept.scores,
         rig_estimates=rig_estimates(polished),
         where=tuple(error_map(record) for record in calibrated.score.records),
         missing_forces=forces,
@@ -134,7 +134,9 @@ def concluded(
         findings=(
             *(f for t in session.everything.timed for f in t.record.findings),
             *(f"{t.record.name}: {AT_REST_ONLY}" for t in session.everything.at_rest),
+            *(kept.missed if verdict != "unexplained" else ()),
         ),
+        not_predicted=kept.missed,
     )
 
 
@@ -168,28 +170,6 @@ def _nothing(first: Sequence[Ranked], final: Fit) -> float:
     if final.hypothesis.effects:
         return min(r.log_evidence for r in first) - 50.0
     return log_without(final, misfit_in_common(first))
-
-
-def _held_out(
-    session: Session, given: Hypothesis, updated: Hypothesis, holdout: Sequence[AnyRecord], seed: int
-) -> Mapping[str, Score]:
-    if not holdout:
-        return {}
-    session.progress(f"predicting {len(holdout)} records kept aside")
-    rng = np.random.default_rng(seed)
-    try:
-        evaluator = prepare(updated, holdout, session.everything.jobs, rng)
-        known = with_starts(evaluator, updated)
-        residual = evaluator.residuals([(known, None)])[0]
-        if residual is not None:
-            evaluator = with_noise(evaluator, noise_left(evaluator, residual), known, rng)
-        return {
-            "as given": score(evaluator, with_starts(evaluator, given)),
-            "updated": score(evaluator, known),
-        }
-    except ArithmeticError as lost:
-        session.decide(f"the records kept aside were not predicted: {lost}")
-        return {}
 
 
 def _traces(session: Session, hypothesis: Hypothesis) -> dict[str, Trace]:

@@ -220,6 +220,7 @@ class Diagnosis:
         located: the one place where a force would explain most of what the calibrated model leaves, and its shape.
         findings: what readers noticed, and what one set of numbers does not explain, in words.
         calibration: the latter as values, the most significant first.
+        not_predicted: a sentence for each record kept aside on which what was learnt does not hold.
     """
 
     verdict: Verdict
@@ -240,6 +241,7 @@ class Diagnosis:
     findings: tuple[str, ...] = field(default=())
     located: Located | None = None
     calibration: tuple[CalibrationFinding, ...] = field(default=())
+    not_predicted: tuple[str, ...] = ()
 
     @property
     def calibrated(self) -> Stage:

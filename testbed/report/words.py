@@ -118,6 +118,7 @@ def second_line(diagnosis: Diagnosis) -> str:
         parts.append(
             f"On records kept aside it errs by {percent(held.nrmse)}{before} (noise {percent(held.noise_nrmse)})."
         )
+        parts += [f"{told[0].upper()}{told[1:]}." for told in diagnosis.not_predicted]
     else:
         parts.append("No record was kept aside, so nothing here was tested on data the fit has not seen.")
     if diagnosis.verdict == "unexplained" and diagnosis.missing_forces:

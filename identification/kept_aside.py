@@ -1,0 +1,88 @@
+"""Records kept aside: whether what was learnt holds on what no fit has seen."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import inf, sqrt
+
+import numpy as np
+
+from identification.assess import score, with_starts
+from identification.evaluate import Evaluator
+from identification.hypothesis import Hypothesis
+from identification.noise_left import noise_left, with_noise
+from identification.prepare import cut_to, horizons, prepare
+from identification.reached import ERROR_REACHED, MODELS_APART
+from identification.result import FrfScore, ModesScore, RecordScore, Score
+from identification.session import Session
+from models.record import AnyRecord
+
+
+@dataclass(frozen=True, eq=False)
+class KeptAside:
+    """What the updated model is worth on data that it has not seen.
+
+    Attributes:
+        scores: over whole records, ``as given`` and ``updated``; empty where nothing was kept or nothing is predicted.
+        missed: a sentence for each record on which what was learnt does not hold.
+    """
+
+    scores: Mapping[str, Score] = field(default_factory=dict)
+    missed: tuple[str, ...] = ()
+
+
+def kept_aside(session: Session, given: Hypothesis, updated: Hypothesis, records: Sequence[AnyRecord]) -> KeptAside:
+    """Predict the records kept aside, and say of each whether what was learnt holds there.
+
+    A record is judged as far as neighbouring motions stay together: beyond, no model predicts it.
+
+    Args:
+        session: is told what is decided.
+        given: the rig as its owner describes it.
+        updated: the model that stands.
+        records: of any kind.
+    """
+    if not records:
+        return KeptAside()
+    session.progress(f"predicting {len(records)} records kept aside")
+    rng = np.random.default_rng(session.seed)
+    try:
+        evaluator = prepare(updated, records, session.everything.jobs, rng)
+        known = with_starts(evaluator, updated)
+        residual = evaluator.residuals([(known, None)])[0]
+        if residual is not None:
+            evaluator = with_noise(evaluator, noise_left(evaluator, residual), known, rng)
+        scores = {
+            "as given": score(evaluator, with_starts(evaluator, given)),
+            "updated": score(evaluator, known),
+        }
+        judged = _judged(evaluator, known)
+    except ArithmeticError as lost:
+        session.decide(f"the records kept aside were not predicted: {lost}")
+        return KeptAside()
+    for told, _ in judged:
+        session.decide(told)
+    return KeptAside(scores, tuple(told for told, holds in judged if not holds))
+
+
+def _judged(evaluator: Evaluator, known: Hypothesis) -> list[tuple[str, bool]]:
+    """For each record what the model leaves there, in words, and whether noise and its own error explain that."""
+    limits = horizons(evaluator, known)
+    durations = {target.record.name: target.record.duration for target in evaluator.timed}
+    followed = score(cut_to(evaluator, inf, limits), known)
+    return [_in_words(row, durations) for row in (*followed.records, *followed.at_rest)]
+
+
+def _in_words(row: RecordScore | FrfScore | ModesScore, durations: Mapping[str, float]) -> tuple[str, bool]:
+    name = row.record.name
+    beyond = sqrt(max(row.nrmse**2 - row.noise_nrmse**2, 0.0))
+    holds = row.nrmse <= ERROR_REACHED * row.noise_nrmse or beyond <= MODELS_APART
+    part = ""
+    if isinstance(row, RecordScore) and row.record.duration < CUT_SHORT * durations[name]:
+        part = f" in its first {row.record.duration:.3g} s, beyond which no model can follow it"
+    verdict = f"what was learnt {'holds' if holds else 'does not hold'} there"
+    times = row.nrmse / max(row.noise_nrmse, np.finfo(float).tiny)
+    return f"on {name}, kept aside, the updated model leaves {times:.3g} times the noise{part}: {verdict}", holds
+
+
+CUT_SHORT = 0.95
+"""Share of a record that is worth a word where no more of it can be followed: its last samples never are judged."""

@@ -1,0 +1,83 @@
+"""Records kept aside: a model that holds there, one that does not, and what nobody can follow."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from rest_records import frfs_of
+from trial_records import measured, moved, multisine, oscillator
+
+from identification.evaluate import Evaluator
+from identification.hypothesis import Hypothesis
+from identification.kept_aside import kept_aside
+from identification.prepare import Horizon
+from models.effects import Place
+from models.effects.cubic_stiffness import CubicStiffness
+
+RIG = oscillator("displacement")
+TRUTH = moved(RIG, 0.5, -0.8, 1.0)
+HARD = TRUTH.with_effects(CubicStiffness(Place(), stiffness=0.3 * RIG.structure.stiffness / 1e-3**2))
+
+
+class Told(SimpleNamespace):
+    """Stands for a session."""
+
+    def __init__(self):
+        super().__init__(everything=Evaluator([], 1), seed=0, progress=lambda _: None, decisions=[])
+        self.decide = self.decisions.append
+
+
+def judged(updated, *records):
+    session = Told()
+    return kept_aside(session, Hypothesis(RIG), updated, records), session.decisions
+
+
+def test_a_model_that_is_right_holds_and_nothing_is_missed():
+    record, _ = measured(TRUTH, multisine(4096), name="kept")
+
+    kept, decisions = judged(TRUTH, record)
+
+    assert kept.missed == ()
+    (told,) = decisions
+    assert told.startswith("on kept, kept aside, the updated model leaves ")
+    assert told.endswith("what was learnt holds there")
+    assert kept.scores["updated"].nrmse < 0.3 * kept.scores["as given"].nrmse
+
+
+def test_a_model_that_learnt_at_a_lower_level_is_told_where_it_fails():
+    low, _ = measured(HARD, multisine(4096, rms=0.1), name="low")
+    high, _ = measured(HARD, multisine(4096, rms=20.0), name="high")
+
+    kept, decisions = judged(TRUTH, low, high)
+
+    assert len(decisions) == 2
+    assert kept.missed == tuple(told for told in decisions if "high" in told)
+    assert "does not hold" in kept.missed[0]
+
+
+def test_only_what_can_be_followed_is_asked(monkeypatch):
+    """A force that grows: the model without the hardening spring is right at the beginning alone."""
+    force = multisine(8192) * np.linspace(0.0, 1.0, 8192) ** 4
+    record, _ = measured(HARD, force, name="growing")
+    asked = judged(TRUTH, record)[0].missed
+    monkeypatch.setattr("identification.kept_aside.horizons", lambda *_: [Horizon("growing", growth=1e9, seconds=0.5)])
+
+    kept, decisions = judged(TRUTH, record)
+
+    assert len(asked) == 1
+    assert kept.missed == ()
+    assert "in its first 0.5 s, beyond which no model can follow it: what was learnt holds there" in decisions[0]
+    assert kept.scores["updated"].records[0].nrmse > 0.05  # over the whole record, as it is
+
+
+@pytest.mark.parametrize(("updated", "holds"), [(TRUTH, True), (Hypothesis(RIG), False)])
+def test_frfs_are_judged_too(updated, holds):
+    kept, _ = judged(updated, frfs_of(TRUTH))
+
+    assert (kept.missed == ()) == holds
+
+
+def test_nothing_kept_is_nothing_said():
+    kept, decisions = judged(TRUTH)
+
+    assert (dict(kept.scores), kept.missed, decisions) == ({}, (), [])
