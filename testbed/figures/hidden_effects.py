@@ -9,13 +9,13 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormat
 
 from testbed.hidden_effects.bars import interval_of, threads_of
 from testbed.hidden_effects.plan import NOTHING, OUTSIDE
+from testbed.hidden_effects.scores import STAGES, beliefs_of
 from testbed.outputs import Json
 
 PLAIN = FuncFormatter(lambda value, _: f"{value:g}")
 
 VERDICTS = ("complete", "unexplained")
 
-STAGES = ("before", "calibrated", "after")
 RIGHT, WRONG = "tab:blue", "tab:red"
 
 
@@ -30,9 +30,11 @@ def figures_of(summary: Json) -> Iterator[tuple[str, Figure]]:
         figure = Figure(figsize=(11.0, 3.0 + 0.27 * rows), layout="constrained")
         plot_confusion(figure.subplots(), summary["confusion"])
         yield "confusion", figure
-    if summary["calibration"]:
-        figure = Figure(figsize=(5.0, 4.5), layout="constrained")
-        plot_calibration(figure.subplots(), summary["calibration"])
+    beliefs = {title: rows for title, rows in beliefs_of(summary).items() if rows}
+    if beliefs:
+        figure = Figure(figsize=(5.0 * len(beliefs), 4.5), layout="constrained")
+        for ax, title in zip(figure.subplots(1, len(beliefs), squeeze=False)[0], beliefs, strict=True):
+            plot_calibration(ax, beliefs[title], title)
         yield "calibration", figure
     if summary["held_out"]["rows"]:
         figure = Figure(figsize=(11.0, 4.5), layout="constrained")
@@ -72,12 +74,13 @@ def plot_confusion(ax: Axes, table: Mapping[str, Mapping[str, int]]) -> None:
     ax.set_title("cases of one effect, of none, and outside the library", fontsize=10)
 
 
-def plot_calibration(ax: Axes, rows: Sequence[Json]) -> None:
+def plot_calibration(ax: Axes, rows: Sequence[Json], title: str) -> None:
     """How often the diagnosis is right where it believes so much.
 
     Args:
         ax: to draw on.
         rows: ``believed``, ``right`` and ``cases`` of each bin.
+        title: of which batches.
     """
     place = np.arange(len(rows))
     believed = np.array([row["believed"] for row in rows])
@@ -89,7 +92,7 @@ def plot_calibration(ax: Axes, rows: Sequence[Json]) -> None:
     ax.set_xticks(place, ticks, fontsize=8)
     ax.set(xlim=(-0.5, len(rows) - 0.5), ylim=(0.0, 1.05), ylabel="share [-]")
     ax.set_xlabel("probability of the first effect, and how often it is there")
-    ax.set_title("cases in which an effect was named, 95 % intervals", fontsize=10)
+    ax.set_title(f"{title}, 95 % intervals", fontsize=10)
     ax.legend(fontsize=8, loc="lower right")
 
 
@@ -114,7 +117,7 @@ def plot_held_out(ax: Axes, rows: Sequence[Json]) -> None:
                     textcoords="offset points", fontsize=8, ha="center", va="bottom")  # fmt: skip
     ax.set_yscale("log")
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-    ax.set(xlabel="case", ylabel="error held out / true noise [-]")
+    ax.set(xlabel="case whose truth the library holds", ylabel="error held out / true noise [-]")
     ax.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
 

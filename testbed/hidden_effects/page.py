@@ -6,7 +6,7 @@ from identification.outcome import UNTRIED
 from testbed.hidden_effects.bars import interval_of, threads_of
 from testbed.hidden_effects.judge import LARGEST_GROUP, NEAR
 from testbed.hidden_effects.plan import NOTHING, OUTSIDE
-from testbed.hidden_effects.scores import CLASSES, ONE
+from testbed.hidden_effects.scores import CLASSES, FAR, ONE, STAGES, beliefs_of
 from testbed.hidden_effects.sets import BEFORE, FEW, MANY, MOST, SETS, SNR
 from testbed.hidden_effects.trials import MOST_AMPLIFICATION, MOST_GROWTH
 from testbed.outputs import Json
@@ -42,10 +42,20 @@ absorbers of the first batch come out otherwise, since the search for their size
 BELIEVED = f"""\
 Of every case in which an effect was named, whatever was hidden: the probability of the first one, and whether it is
 there, as the diagnosis of its batch said it. A bin of few cases tests little. Where the interval lies below what was
-believed, the diagnosis was too sure of itself; since these batches {UNTRIED:.0%} are kept for what was not judged.
+believed, the diagnosis was too sure of itself, as it was in the first batches: since then {UNTRIED:.0%} of every
+probability are kept for what was not judged, and the batches since then are told apart from those before.
 """
 
-COLUMNS = ("", "cases", "failed", "right", "in a group", "right kind", "after, median", "s, median")
+FARTHEST = f"""\
+Right, and yet the error on the record held out is more than {FAR:g} times the true noise there; the farthest first.
+"""
+
+WHERE = """\
+Medians: the error held out over the true noise with the rig as given, calibrated, and after the diagnosis; and the
+seconds of the diagnosis, on one thread or two.
+"""
+
+COLUMNS = ("", "cases", "failed", "right", "in a group", "right kind", *STAGES, "s")
 
 FIGURES = {
     "confusion": "What was taken for what",
@@ -79,6 +89,7 @@ def page_of(summary: Json, explained: Mapping[str, str], command: str) -> str:
         "",
         "## Where",
         "",
+        WHERE,
         *_heads(COLUMNS),
         *_rows(summary),
         "",
@@ -87,10 +98,14 @@ def page_of(summary: Json, explained: Mapping[str, str], command: str) -> str:
     for name, title in FIGURES.items():
         if _is_drawn(summary, name):
             lines += ["", f"## {title}", "", f"![{title}](figures/{name}.png)"]
-        if name == "calibration" and summary[name]:
-            lines += ["", BELIEVED, *_beliefs(summary[name])]
+        if name == "calibration" and _is_drawn(summary, name):
+            lines += ["", BELIEVED]
+            for heading, rows in beliefs_of(summary).items():
+                lines += [f"{heading[0].upper()}{heading[1:]}:", "", *_beliefs(rows), ""] if rows else []
     lines += ["", "## Numbers", "", *_numbers(summary["numbers"])]
-    lines += ["", "## Missed, one by one", "", *_misses(summary["misses"], explained)]
+    missed = sorted(summary["misses"], key=lambda row: (str(row["kind"]) in (NOTHING, OUTSIDE), row["case"]))
+    lines += ["", "## Missed, one by one", "", *_misses(missed, explained)]
+    lines += ["", "## Right, but far from the noise", "", FARTHEST, *_misses(summary["farthest"], explained)]
     return "\n".join(lines) + "\n"
 
 
@@ -99,6 +114,8 @@ def _heads(columns: Sequence[str]) -> tuple[str, str]:
 
 
 def _is_drawn(summary: Json, name: str) -> bool:
+    if name == "calibration":
+        return any(beliefs_of(summary).values())
     content = summary[name]
     return bool(content["rows"] if isinstance(content, dict) and "rows" in content else content)
 
@@ -144,17 +161,19 @@ def _rows(summary: Json) -> Iterator[str]:
 
 def _row(name: str, row: Json) -> str:
     counts = " | ".join(str(row[key]) for key in ("cases", "failed", "right", "in_group", "kind_right"))
-    rest = " | ".join("" if row[key] is None else f"{row[key]:.3g}" for key in ("after_median", "seconds_median"))
+    medians = [row[f"{key}_median"] for key in (*STAGES, "seconds")]
+    rest = " | ".join("" if median is None else f"{median:.3g}" for median in medians)
     return f"| {name} | {counts} | {rest} |"
 
 
 def _counts(summary: Json) -> Iterator[str]:
-    yield f"False alarms: {summary['false_alarms']}. Abstentions (`unexplained` though the library holds the truth):"
+    yield f"False alarms, where nothing was hidden: {summary['false_alarms']}; right, with one effect too many:"
+    yield f"{summary['named_besides']}. Abstentions (`unexplained` though the library holds the truth):"
     yield f"{summary['abstentions']}. Hidden and called `complete`: {summary['missed_silently']}."
     errors = sorted(summary["place_errors"])
     if errors:
-        yield "Place of the first effect, where its kind is right, in shares of the length: median error"
-        yield f"{errors[len(errors) // 2]:.2%}, largest {errors[-1]:.2%}."
+        yield "Place of the one effect, where it may be anywhere and its kind is right, in shares of the length:"
+        yield f"median error {errors[len(errors) // 2]:.2%}, largest {errors[-1]:.2%}, of {len(errors)}."
     for limit in summary["detection"]["limits"]:
         low, high = limit["snr_db"]
         if limit["ratio"] is not None:
@@ -186,7 +205,7 @@ def _numbers(numbers: Json) -> Iterator[str]:
 def _misses(misses: list[Json], explained: Mapping[str, str]) -> Iterator[str]:
     if not misses:
         yield "None."
-    for miss in sorted(misses, key=lambda row: (str(row["kind"]) in (NOTHING, OUTSIDE), row["case"])):
+    for miss in misses:
         name = miss["case"]
         yield f"- `{name}`: {_in_words(miss)} *{explained.get(name, 'Not explained yet.')}*"
 

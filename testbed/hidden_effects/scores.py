@@ -6,11 +6,15 @@ from itertools import pairwise
 
 import numpy as np
 
+from identification.outcome import UNTRIED
 from testbed.hidden_effects.bars import bars_of
 from testbed.hidden_effects.judge import NEAR
 from testbed.hidden_effects.plan import NOTHING, OUTSIDE, TWO
 from testbed.hidden_effects.sets import FEW, MANY, SETS
 from testbed.outputs import Json
+
+STAGES = ("before", "calibrated", "after")
+"""Of a diagnosis: the rig as given, its numbers within their tolerances, with what was found."""
 
 CLASSES = {NOTHING: "nothing hidden", TWO: "two effects", OUTSIDE: "outside the library"}
 ONE = "one effect"
@@ -35,6 +39,7 @@ def summary_of(cases: Sequence[Json], case_set: str) -> Json:
     groups = {name: [c for c in cases if class_of(c) == name] for name in (*CLASSES.values(), ONE)}
     done = [case for case in cases if "judged" in case]
     hidden_one = groups[ONE]
+    named = [case for case in done if case["judged"]["verdict"] == "missing_effect"]
     figures: Json = {
         "set": case_set,
         "cases": len(cases),
@@ -51,12 +56,15 @@ def summary_of(cases: Sequence[Json], case_set: str) -> Json:
         "false_alarms": sum(c["judged"]["verdict"] == "missing_effect" for c in groups[CLASSES[NOTHING]] if c in done),
         "abstentions": sum(c["judged"]["verdict"] == "unexplained" for c in done if class_of(c) != CLASSES[OUTSIDE]),
         "missed_silently": sum(c["judged"]["verdict"] == "complete" for c in done if c["hidden"]),
-        "place_errors": [c["judged"]["place_error"] for c in done if c["judged"]["place_error"] is not None],
+        "named_besides": sum(c["judged"]["n_found"] > len(c["hidden"]) for c in done if c["judged"]["right"]),
+        "place_errors": place_errors([case for case in done if class_of(case) == ONE]),
         "numbers": numbers(done),
-        "calibration": calibration([c for c in done if c["judged"]["verdict"] == "missing_effect"]),
+        "calibration": calibration([c for c in named if SETS[case_set].batches[c["seed"]].keeps]),
+        "calibration_before": calibration([c for c in named if not SETS[case_set].batches[c["seed"]].keeps]),
         "held_out": held_out([c for c in done if class_of(c) != CLASSES[OUTSIDE]]),
         "detection": detection([c for c in done if class_of(c) == ONE]),
         "seconds": seconds(done),
+        "farthest": [_miss(case) for case in farthest(done)],
         "misses": [_miss(case) for case in cases if "judged" not in case or not case["judged"]["right"]],
     }
     bars = bars_of(figures)
@@ -87,7 +95,7 @@ def row_of(cases: Sequence[Json]) -> Json:
         cases: of the group.
     """
     done = [case for case in cases if "judged" in case]
-    after = [case["held_out"]["after"] for case in done]
+    errors = {stage: [case["held_out"][stage] for case in done] for stage in STAGES}
     right, grouped, kind = (sum(c["judged"][key] for c in done) for key in ("right", "in_group", "kind_right"))
     return {
         "cases": len(cases),
@@ -97,7 +105,7 @@ def row_of(cases: Sequence[Json]) -> Json:
         "kind_right": kind,
         "right_share": right / len(cases) if cases else None,
         "in_group_share": grouped / len(cases) if cases else None,
-        "after_median": float(np.median(after)) if after else None,
+        **{f"{stage}_median": float(np.median(some)) if some else None for stage, some in errors.items()},
         "seconds_median": float(np.median([case["seconds"]["diagnosis"] for case in done])) if done else None,
     }
 
@@ -154,6 +162,18 @@ def calibration(cases: Sequence[Json]) -> list[Json]:
     return rows
 
 
+def beliefs_of(summary: Json) -> dict[str, list[Json]]:
+    """What was believed and what was right, by how the probabilities were told.
+
+    Args:
+        summary: content of ``summary.json``.
+    """
+    return {
+        f"{UNTRIED:.0%} kept for what was not judged": summary["calibration"],
+        "batches before that, nothing kept": summary["calibration_before"],
+    }
+
+
 def first_is_there(case: Json) -> bool:
     """Whether the effect that was named first is hidden in the rig, of two whichever.
 
@@ -163,6 +183,36 @@ def first_is_there(case: Json) -> bool:
     result = case["judged"]
     near = result["place_error"] is None or result["place_error"] <= NEAR
     return bool(result["kind_right"] and near) if class_of(case) == CLASSES[TWO] else bool(result["right"])
+
+
+def place_errors(cases: Sequence[Json]) -> list[float]:
+    """Distances of the first effect from the true place, in shares of the length, where the place was free.
+
+    A sleeve or a sensor is hit or not, which ``right`` counts.
+
+    Args:
+        cases: of one effect, done.
+    """
+    free = [
+        case for case in cases if "position" in case["hidden"][0] and not {"sleeve", "sensor"} & set(case["hidden"][0])
+    ]
+    return [case["judged"]["place_error"] for case in free if case["judged"]["place_error"] is not None]
+
+
+def farthest(cases: Sequence[Json]) -> list[Json]:
+    """Cases that are right, but leave much more than the noise of the record held out, the farthest first.
+
+    Args:
+        cases: done.
+    """
+    far = [
+        c for c in cases if c["judged"]["right"] and class_of(c) != CLASSES[OUTSIDE] and c["held_out"]["after"] > FAR
+    ]
+    return sorted(far, key=lambda case: -case["held_out"]["after"])
+
+
+FAR = 1.3
+"""Error held out over the true noise from which a right case is told one by one."""
 
 
 def held_out(cases: Sequence[Json]) -> Json:

@@ -1,7 +1,11 @@
 import pytest
 from made_up_cases import SEED, every_bar_met, failed, made_up
 
-from testbed.hidden_effects.scores import in_a_line, seconds, summary_of
+from testbed.hidden_effects.page import page_of
+from testbed.hidden_effects.scores import beliefs_of, calibration, in_a_line, seconds, summary_of
+from testbed.hidden_effects.sets import REPORTED
+
+*_, LATER = REPORTED.batches
 
 
 def bar(summary, name):
@@ -87,21 +91,53 @@ def named_wrongly(kind, number, probability):
 
 def test_belief_is_held_against_how_often_it_is_right():
     cases = [made_up("point_mass", n) for n in range(4)] + [named_wrongly("point_mass", 9, 0.6)]
-    rows = summary_of(cases, "reported")["calibration"]
+    rows = summary_of(cases, "reported")["calibration_before"]
     assert [(row["believed"], row["right"], row["cases"]) for row in rows] == [(0.6, 0, 1), (pytest.approx(0.97), 4, 4)]
 
 
 def test_false_alarms_and_imitations_count_against_the_belief():
     cases = [made_up("point_mass", 0), named_wrongly("outside", 0, 0.96), named_wrongly("nothing", 0, 0.98)]
-    (row,) = summary_of(cases, "reported")["calibration"]
+    (row,) = summary_of(cases, "reported")["calibration_before"]
     assert (row["believed"], row["right"], row["cases"]) == (pytest.approx(0.97), 1, 3)
+
+
+def test_what_kept_nothing_for_the_unjudged_is_told_apart():
+    summary = summary_of([made_up("point_mass", 0), made_up("point_mass", 0, seed=LATER)], "reported")
+
+    assert [[row["cases"] for row in rows] for rows in beliefs_of(summary).values()] == [[1], [1]]
+    assert summary["calibration"] == calibration([made_up("point_mass", 0, seed=LATER)])
+
+
+def test_only_places_that_were_free_count_among_the_errors_of_the_place():
+    hit = made_up("squeeze_film", 0, hidden=[{"kind": "squeeze_film", "sleeve": "sleeve 1"}])
+    turned = made_up("sensor_position", 0, hidden=[{"kind": "sensor_position", "sensor": "P1", "position": 0.4}])
+    free = made_up("point_mass", 0, hidden=[{"kind": "point_mass", "position": 0.4}])
+
+    assert summary_of([hit, turned, free], "reported")["place_errors"] == [0.01]
+
+
+def test_an_effect_too_many_is_counted_though_the_first_is_right():
+    besides = made_up("point_mass", 0)
+    besides["judged"]["n_found"] = 2
+
+    assert summary_of([besides, made_up("point_mass", 1)], "reported")["named_besides"] == 1
+
+
+def test_right_cases_far_from_the_noise_are_told_the_farthest_first():
+    cases = [made_up("point_mass", n, after=after) for n, after in enumerate((1.2, 1.5, 5.0))]
+    cases += [made_up("outside", 0, after=9.0), made_up("point_mass", 9, right=False, after=9.0)]
+    summary = summary_of(cases, "reported")
+
+    assert [row["after"] for row in summary["farthest"]] == [5.0, 1.5]
+    page = page_of(summary, {}, "testbed")
+    assert "## Right, but far from the noise" in page
 
 
 @pytest.mark.parametrize(("place_error", "there"), [(None, 1), (0.01, 1), (0.3, 0)])
 def test_of_two_effects_the_first_has_to_be_there(place_error, there):
     case = made_up("two", 0, right=False)
     case["judged"] |= {"verdict": "missing_effect", "probability": 1.0, "kind_right": True, "place_error": place_error}
-    (row,) = summary_of([case], "reported")["calibration"]
+    (row,) = summary_of([case], "reported")["calibration_before"]
     assert (row["right"], row["cases"]) == (there, 1)
 
 
