@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from testbed.figures.report_style import COLOURS, MEASURED
-from testbed.real_data.bolted_beam import HELD_OUT, BoltedBeam
+from testbed.real_data.bolted_beam import HELD_OUT, HELD_OUT_BAR, HYSTERESIS, BoltedBeam
 from testbed.real_data.friction_frame import FrictionFrame, WeightResult
 from testbed.real_data.silverbox import Silverbox
 
@@ -105,7 +105,7 @@ def _error_of(row: WeightResult, number: int) -> float:
 
 
 def beam_figure(study: BoltedBeam) -> Figure:
-    """Responses at four force levels, measured and predicted; the odds of the hysteresis against every other kind.
+    """Responses at four force levels, measured and predicted; what every kind leaves in the hysteresis's place.
 
     Args:
         study: finished.
@@ -126,9 +126,13 @@ def beam_figure(study: BoltedBeam) -> Figure:
     left.set_ylabel("acceleration, first harmonic [m/s^2]")
     left.set_title("measured (dots), linear mode (dotted), with what was found (lines)", loc="left", fontsize=10)
     left.legend(fontsize=8, frameon=False)
-    others = [suspect for suspect in study.trial if suspect.log_odds > 0.0]
-    right.barh([suspect.label for suspect in others], [suspect.log_odds for suspect in others], color=PALETTE[1])
+    shown = [suspect for suspect in study.trial if suspect.held_out is not None]
+    colours = [PALETTE[2] if suspect.label.startswith(HYSTERESIS) else PALETTE[1] for suspect in shown]
+    right.barh([suspect.label for suspect in shown], [suspect.held_out or 0.0 for suspect in shown], color=colours)
+    right.axvline(HELD_OUT_BAR, color="black", linewidth=0.8, linestyle="--", label="bound")
     right.invert_yaxis()
     right.tick_params(labelsize=7)
-    right.set_xlabel("log odds of the hysteresis against it")
+    right.set_xlabel("rms error at the level kept aside [m/s^2]")
+    right.set_title("every kind in the place of the hysteresis", loc="left", fontsize=10)
+    right.legend(fontsize=8, frameon=False)
     return figure

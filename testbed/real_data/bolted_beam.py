@@ -44,11 +44,11 @@ TOLERANCES = {"mass": 0.2, "stiffness": 0.2, "damping": 1.0}
 
 @dataclass(frozen=True, eq=False)
 class Suspect:
-    """A kind in the place of the hysteresis, with everything fitted again.
+    """A kind in the place of another, with everything fitted again.
 
     Attributes:
         label: kind and variant.
-        log_odds: natural logarithm of the odds of the hysteresis against it.
+        log_odds: natural logarithm of the odds of the best one in that place against it.
         held_out: rms error at the level kept aside, m/s^2, or None where it has no steady state there.
     """
 
@@ -67,6 +67,7 @@ class BoltedBeam:
         models: label -> fit, from the linear mode of the lowest level to the final model.
         errors: label -> rms error at each level, m/s^2, None where there is no steady state.
         rounds: what was tried in each round of adding.
+        alone: every kind by itself beside the linear mode, the best first; empty where nothing was added.
         trial: every kind in the place of the hysteresis, the hysteresis first; empty where it was not found.
         decisions: in words.
         predicted: label -> level -> (n,) complex amplitudes, m/s^2, of the models that have them.
@@ -77,6 +78,7 @@ class BoltedBeam:
     models: Mapping[str, Fit]
     errors: Mapping[str, Sequence[float | None]]
     rounds: Sequence[Addition]
+    alone: Sequence[Suspect]
     trial: Sequence[Suspect]
     decisions: Sequence[str]
     predicted: Mapping[str, Sequence[ComplexArray | None]]
@@ -169,8 +171,9 @@ def study_bolted_beam(folder: Path, jobs: int, progress: Progress) -> BoltedBeam
     models |= {f"+ {found.fit.hypothesis.effects[-1].label()}": found.fit for found in rounds}
     predicted = {label: [_predicted(model.hypothesis, level) for level in levels] for label, model in models.items()}
     errors = {label: [_rms(*pair) for pair in zip(rows, levels, strict=True)] for label, rows in predicted.items()}
+    alone = _suspects(rounds[0], levels[HELD_OUT]) if rounds else ()
     trial = _trial(learning, rounds, levels[HELD_OUT], progress)
-    return BoltedBeam(levels, noise, models, errors, rounds, trial, decisions, predicted)
+    return BoltedBeam(levels, noise, models, errors, rounds, alone, trial, decisions, predicted)
 
 
 ITERATIONS = 40
@@ -187,6 +190,11 @@ def _trial(
     # The round that added it last has tried them all beside the same others.
     last = index == len(kinds) - 1
     judged = rounds[index] if last else on_trial(learning, rounds[-1].fit, index, EFFECTS, progress)
+    return _suspects(judged, held_out)
+
+
+def _suspects(judged: Addition, held_out: SteppedSine) -> tuple[Suspect, ...]:
+    """What was tried in one place, the best first."""
     first = judged.ranked[0].log_evidence
     return tuple(
         Suspect(

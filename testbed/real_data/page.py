@@ -6,7 +6,7 @@ from typing import Any
 from testbed.loop import diagnosis_json
 from testbed.outputs import Json
 from testbed.real_data.bars import Bar, bars_table
-from testbed.real_data.bolted_beam import HELD_OUT, BoltedBeam
+from testbed.real_data.bolted_beam import HELD_OUT, BoltedBeam, Suspect
 from testbed.real_data.friction_frame import FrictionFrame, sigmas_of
 from testbed.real_data.silverbox import Silverbox
 
@@ -72,10 +72,10 @@ def beam_json(study: BoltedBeam) -> Json:
         "held_out_level": HELD_OUT + 1,
         "errors": [{"model": label, "levels": list(row)} for label, row in study.errors.items()],
         "effects": numbers,
-        "trial": [
-            {"kind": suspect.label, "log_odds": suspect.log_odds, "held_out": suspect.held_out}
-            for suspect in study.trial
-        ],
+        **{
+            place: [{"kind": row.label, "log_odds": row.log_odds, "held_out": row.held_out} for row in rows]
+            for place, rows in (("alone", study.alone), ("trial", study.trial))
+        },
         "decisions": list(study.decisions),
     }
 
@@ -163,17 +163,24 @@ def beam_page(study: BoltedBeam, command: str) -> str:
         for label, errors in study.errors.items():
             yield f"| {label} | {' | '.join(_number(error) for error in errors)} |"
         yield ""
+        yield "Every kind by itself beside the linear mode, all numbers fitted again:"
+        yield ""
+        yield from _suspects(study.alone)
         yield "Every kind in the place of the hysteresis, all numbers fitted again:"
         yield ""
-        yield "| kind | log odds of the hysteresis against it | level kept aside [m/s^2] |"
-        yield "|---|---|---|"
-        for suspect in study.trial:
-            yield f"| {suspect.label} | {suspect.log_odds:.0f} | {_number(suspect.held_out)} |"
-        yield ""
+        yield from _suspects(study.trial)
         yield from _decided(study.decisions)
 
     picture = "![Responses at four force levels](figures/bolted_beam.png)"
     return _page("The bolted beam", command, study.bars, picture, rest())
+
+
+def _suspects(rows: Sequence[Suspect]) -> Iterator[str]:
+    yield "| kind | log odds of the first against it | level kept aside [m/s^2] |"
+    yield "|---|---|---|"
+    for suspect in rows:
+        yield f"| {suspect.label} | {suspect.log_odds:.0f} | {_number(suspect.held_out)} |"
+    yield ""
 
 
 def _number(error: float | None) -> str:
