@@ -16,33 +16,19 @@ from testbed.outputs import Json
 def on_cluster(address: str) -> Workers:
     """Workers of a cluster whose machines have this project installed, in the same version.
 
+    Nobody is called before there are cases to run.
+
     Args:
         address: of its scheduler, like ``tcp://10.0.0.5:8786``.
 
-    Raises:
-        InputError: nobody answers there, or ``distributed`` is not installed.
+    Returns:
+        what runs the cases; it raises InputError where nobody answers, or ``distributed`` is not installed.
     """
-    try:
-        from distributed import Client
-    except ModuleNotFoundError as missing:
-        raise InputError(
-            f"--scheduler {address}: the package {missing.name!r} is not installed",
-            "a cluster is spoken to through distributed",
-            'pip install "clearance-testbed[cluster]"',
-        ) from missing
-    try:
-        client: Any = Client(address, timeout=ANSWER)  # type: ignore[no-untyped-call]
-    except (OSError, ValueError) as error:
-        raise InputError(
-            f"--scheduler {address}: {error}",
-            "the address of a Dask scheduler that answers, like tcp://10.0.0.5:8786",
-            "start one with dask scheduler, and workers with dask worker ADDRESS --nthreads 1",
-        ) from error
 
     def work(tasks: Sequence[Task], run: RunCase, threads: int) -> Iterator[tuple[Task, Json]]:
-        from distributed import as_completed
+        with _client(address) as client:
+            from distributed import as_completed
 
-        with client:
             running = {client.submit(run, task, threads, pure=False): task for task in tasks}
             for done in as_completed(list(running)):  # type: ignore[no-untyped-call]
                 failure = done.exception()
@@ -51,6 +37,25 @@ def on_cluster(address: str) -> Workers:
                 done.release()
 
     return work
+
+
+def _client(address: str) -> Any:
+    try:
+        from distributed import Client
+    except ModuleNotFoundError as missing:
+        raise InputError(
+            f"--scheduler {address}: the package {missing.name!r} is not installed",
+            "a cluster is spoken to through distributed",
+            "run make once, which installs it, or in the project's folder: pip install -e '.[cluster]'",
+        ) from missing
+    try:
+        return Client(address, timeout=ANSWER)  # type: ignore[no-untyped-call]
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"--scheduler {address}: {error}",
+            "the address of a Dask scheduler that answers, like tcp://10.0.0.5:8786",
+            "start one with dask scheduler, and workers with dask worker ADDRESS --nthreads 1",
+        ) from error
 
 
 ANSWER = "10 s"

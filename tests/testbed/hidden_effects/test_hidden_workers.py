@@ -1,5 +1,6 @@
 """Who runs the cases: processes that may die, and a cluster whose workers may."""
 
+import json
 import os
 import signal
 import time
@@ -12,10 +13,12 @@ from distributed import LocalCluster
 from quick_cases import deadly_once, no_case, real_and_small, slow, told
 
 from models.errors import InputError
+from testbed.cli.app import main
 from testbed.hidden_effects.case_run import run_case
 from testbed.hidden_effects.cluster import on_cluster
 from testbed.hidden_effects.crew import on_this_machine
 from testbed.hidden_effects.plan import Task
+from testbed.hidden_effects.run import path_of, run_hidden_effects
 
 TASKS = [Task("tuning", 11, "nothing", number) for number in range(3)]
 
@@ -61,10 +64,15 @@ def pids(cluster):
     return {worker.pid for worker in cluster.workers.values() if worker.pid}
 
 
-def test_real_cases_on_a_cluster_of_two_workers(cluster):
-    done = dict(on_cluster(cluster.scheduler_address)(TASKS[:2], real_and_small, 1))
-    assert set(done) == set(TASKS[:2])
-    for case in done.values():
+def test_the_command_runs_real_cases_on_a_cluster_of_two_workers(cluster, monkeypatch, tmp_path):
+    asked = partial(run_hidden_effects, run=real_and_small)
+    monkeypatch.setattr("testbed.hidden_effects.run.run_hidden_effects", asked)
+    order = ["--set", "tuning", "--only", "nothing", "--cases", "2", "--scheduler", cluster.scheduler_address]
+
+    assert main(["benchmark", "hidden-effects", *order, "--out", str(tmp_path)]) == 1  # two cases meet no bar of 200
+
+    files = [path_of(tmp_path, task) for task in TASKS[:2]]
+    for case in [json.loads(file.read_text()) for file in files]:
         assert case["judged"]["right"], case
         assert case["held_out"]["after"] == pytest.approx(1.0, abs=0.15)  # 512 samples tell a perfect model no better
 
@@ -87,4 +95,4 @@ def test_what_a_killed_worker_was_at_is_done_by_another(cluster):
 def test_a_scheduler_that_does_not_answer_is_refused(monkeypatch):
     monkeypatch.setattr("testbed.hidden_effects.cluster.ANSWER", "1 s")
     with pytest.raises(InputError, match=r"--scheduler tcp://127.0.0.1:9: .*; .*that answers.*; start one with"):
-        on_cluster("tcp://127.0.0.1:9")
+        list(on_cluster("tcp://127.0.0.1:9")(TASKS, no_case, 1))
