@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from identification.established import NO_SIZE, unestablished
 from identification.evidence import (
     LEAST_EVIDENCE,
     Ranked,
@@ -19,6 +20,7 @@ from identification.outcome import AT_REST_ONLY
 from identification.reached import NOISE_DOUBTED, NOISE_REACHED, is_as_near_as_models, missed, reaches_noise
 from identification.result import Verdict
 from identification.rounds import takes_away
+from identification.scatter import is_needed_throughout
 from identification.session import Session
 from identification.tangent_ties import is_linear
 from identification.unseen import Unseen, left_unseen
@@ -170,11 +172,39 @@ def fit_without(session: Session, calibrated: Fit, found: Fit, index: int) -> Fi
         found: the fit.
         index: of the effect.
     """
-    hypothesis = found.hypothesis.without_effect(index)
-    try:
-        return fit(session.fitting, hypothesis, (*calibrated.unknowns, *effect_unknowns(hypothesis)), precise=True)
-    except ArithmeticError:
-        return None
+    less, handed = found.hypothesis.without_effect(index), found.hypothesis.handed_back(index)
+    fits = []
+    for start in [less] if handed.values == less.values else [handed, less]:
+        try:
+            fits.append(fit(session.fitting, start, (*calibrated.unknowns, *effect_unknowns(start)), precise=True))
+        except ArithmeticError:
+            continue
+    return min(fits, key=lambda each: each.cost, default=None)
+
+
+def in_doubt(session: Session, calibrated: Fit, final: Fit, last: Fit) -> tuple[int, str] | None:
+    """Number of the first effect that is not established, and why; what no part of the data can do without is kept.
+
+    Args:
+        session: with the records, told.
+        calibrated: the model without effects.
+        final: the model that stands, fitted to a part of the records.
+        last: the same on all of them, with honest intervals.
+    """
+    needed: set[int] = set()
+    while True:
+        doubted = unestablished(last, in_motion=bool(session.everything.timed), needed=needed)
+        if doubted is None or doubted[1] != NO_SIZE:
+            return doubted
+        index = doubted[0]
+        less = fit_without(session, calibrated, final, index)
+        if less is not None and not is_needed_throughout(session.fitting, less, final):
+            return doubted
+        session.decide(
+            f"{final.hypothesis.effects[index].label()}: its size moves far as one mode, channel or record is left "
+            "out, but whichever that is, the others need it: kept"
+        )
+        needed.add(index)
 
 
 def _refined(session: Session, result: Fit) -> Fit:

@@ -6,12 +6,12 @@ from time import perf_counter
 
 import numpy as np
 
-from identification.acceptance import accepted, fit_without, is_enough, pruned, verdict_of
+from identification.acceptance import accepted, fit_without, in_doubt, is_enough, pruned, verdict_of
 from identification.alone import one_alone
 from identification.assess import with_starts
 from identification.calibrate import calibrate, strained, unknowns_of
 from identification.conclude import concluded, one_set_of_numbers, settled
-from identification.established import NO_LAW, unestablished
+from identification.established import NO_LAW
 from identification.evaluate import carry_noise
 from identification.evidence import Ranked
 from identification.exchange import exchanged
@@ -204,7 +204,7 @@ def _ended(
         verdict = verdict_of(session, chain[0], final, searched=searched, taken_out=taken_out)
         final = final if verdict == "missing_effect" else chain[0]
         last = settled(session, final)
-        doubted = unestablished(last, in_motion=bool(session.everything.timed))
+        doubted = in_doubt(session, chain[0], final, last)
         if verdict != "missing_effect" or doubted is None:
             if verdict != "missing_effect" and not rounds:
                 rounds += weighed

@@ -5,6 +5,7 @@ record has something of its own, and the effect was bent to it. Nor is a law of 
 what its numbers do together is known then, as that of a simpler law to which it comes near, or of one that it imitates.
 """
 
+from collections.abc import Collection
 from math import exp, inf, log
 
 import numpy as np
@@ -26,7 +27,7 @@ NO_LAW = "the records tell none of its numbers by itself: it may stand for anoth
 """Why such an effect is not named."""
 
 
-def unestablished(found: Fit, *, in_motion: bool = True) -> tuple[int, str] | None:
+def unestablished(found: Fit, *, in_motion: bool = True, needed: Collection[int] = ()) -> tuple[int, str] | None:
     """Number of the first effect whose size cannot be told from none, or whose law is not known, and why.
 
     Effects without a value at which they are not there (another law in a contact) have no size.
@@ -34,6 +35,7 @@ def unestablished(found: Fit, *, in_motion: bool = True) -> tuple[int, str] | No
     Args:
         found: the last fit, with its widened covariance.
         in_motion: whether any record holds motion; at rest laws are seen by their tangents alone, and not doubted.
+        needed: numbers of effects whose size is not asked for, since no part of the data can do without them.
 
     Returns:
         the number and the reason; None where all effects are known.
@@ -49,7 +51,8 @@ def unestablished(found: Fit, *, in_motion: bool = True) -> tuple[int, str] | No
         # Numbers of one law trade off against each other and against the place: together they may be known well.
         held = by_misfit[own] / np.sqrt(np.diag(np.linalg.inv(found.covariance[np.ix_(own, own)])))
         alone = dict(zip(own, held.tolist(), strict=True))
-        if max(_deviations(found, unknown, alone[i]) for i, unknown in sized.items()) < LEAST_DEVIATIONS:
+        deviations = max(_deviations(found, unknown, alone[i]) for i, unknown in sized.items())
+        if deviations < LEAST_DEVIATIONS and index not in needed:
             return index, NO_SIZE
         if in_motion and effect.n_numbers > 1 and min(by_noise[i] for i in numbers) > TOLD:
             return index, NO_LAW

@@ -14,7 +14,7 @@ import numpy as np
 from models.arrays import FloatArray
 from models.effects import EFFECTS, Effect, Registry
 from models.effects.protocol import Parameter
-from models.plant import Plant, build_plant
+from models.plant import Plant, build_plant, contact_of
 from models.record import Record
 from models.rig import Beam, Rig, RigParameter
 from models.simulate import Motion, Response, Settings, motion_at, simulate
@@ -93,6 +93,23 @@ class Hypothesis:
     def without_effect(self, index: int) -> "Hypothesis":
         """Without one of its effects."""
         return replace(self, effects=(*self.effects[:index], *self.effects[index + 1 :]))
+
+    def handed_back(self, index: int) -> "Hypothesis":
+        """Without one of its effects, its sleeve's own numbers saying as much of what it said as their tolerances let.
+
+        A number that an effect stands for is moved by nothing, and without the effect may lie in another valley.
+        """
+        less = self.without_effect(index)
+        places = {sleeve.name: i for i, sleeve in enumerate(self.rig.sleeves)}
+        for part in self.effects[index].parts():
+            if part.place.sleeve is None:
+                continue
+            numbers = part.as_sleeve_numbers(contact_of(less.updated_rig.sleeve(part.place.sleeve)))
+            said = {f"sleeves[{places[part.place.sleeve]}].{key}": value for key, value in numbers.items()}
+            for parameter in self.rig.parameters():
+                if said.get(parameter.path, 0.0) > 0.0:
+                    less = RigUnknown(parameter).set(less, parameter.deviations(said[parameter.path]))
+        return less
 
 
 LARGEST_SIGMA = 4.0

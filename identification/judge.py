@@ -44,7 +44,7 @@ def judge(
 
     Args:
         views: what to look for suspects in; kinds that act over the length of a record in one of their own, which is
-            left out where another kind reaches the noise without them, from further off.
+            looked at last where another kind reaches the noise without them, and not at all where it does everywhere.
         fitting: records to refit on.
         base: the calibrated model on those.
         progress: told what is being done.
@@ -55,6 +55,7 @@ def judge(
     looks = [beside, afar] if base.ratio <= LARGE else [afar, beside]
     if base.ratio <= SMALL and not pulled(base):
         looks = [beside]
+    kinds = {} if instant is None else instant.registry
     ranked: list[Ranked] = []
     for number, look in enumerate(looks):
         if number > 0:
@@ -70,13 +71,26 @@ def judge(
         if lasting and (number > 0 or not met):
             sketches += [sketch for view in lasting for sketch in beside(view, base, progress)]
             lasting = []
-        kinds = {} if instant is None else instant.registry
-        more = finals(sketches, fitting, base, kinds, progress, known=ranked)
-        rows = [row for row in (*ranked, *more) if row.refitted]
-        ranked = settled_apart(fitting, reweighed(ranked, rows), progress) if ranked else more
+        ranked = _weighed(ranked, sketches, fitting, base, kinds, progress)
         if ranked and ranked[0].fit.ratio < EXPLAINED:
-            break
-    return ranked
+            return ranked
+    # What reached the noise in the seconds of its view does not in all that is fitted.
+    sketches = [sketch for view in lasting for sketch in beside(view, base, progress)]
+    return _weighed(ranked, sketches, fitting, base, kinds, progress) if sketches else ranked
+
+
+def _weighed(
+    known: list[Ranked],
+    sketches: Sequence[Sketch],
+    fitting: Evaluator,
+    base: Fit,
+    kinds: Registry,
+    progress: Progress,
+) -> list[Ranked]:
+    """What was refitted before and the best of these sketches, refitted, the one with the most evidence first."""
+    more = finals(sketches, fitting, base, kinds, progress, known=known)
+    rows = [row for row in (*known, *more) if row.refitted]
+    return settled_apart(fitting, reweighed(known, rows), progress) if known else more
 
 
 SMALL, LARGE = 3.0, 8.0

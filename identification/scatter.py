@@ -13,7 +13,9 @@ from scipy.stats import t as student_t
 
 from identification.consistency.modes import frequency_of, mode_bands
 from identification.evaluate import Evaluator, Target, TimeTarget
+from identification.evidence import LEAST_EVIDENCE, misfit_of
 from identification.fit import Fit, inverse_of
+from identification.hypothesis import coordinates
 from identification.rest_target import FrfTarget, ModesTarget
 from models.arrays import FloatArray, IntArray
 
@@ -85,6 +87,34 @@ def beyond_noise(
         counts = (squares > CLEARLY**2 * by_noise) & (np.diag(without) < MOST_LEVERAGE * inverse)
         excess += np.where(counts, squares - by_noise, 0.0)
     return np.asarray((1.0 - 1.0 / len(numbers)) * excess)
+
+
+def is_needed_throughout(evaluator: Evaluator, less: Fit, found: Fit) -> bool:
+    """Whether the data need an effect, whichever mode, channel or record is left out.
+
+    A number may move far as a part is left out (a valley, a motion that is hard to predict) without hanging on it. What
+    does hang on a part is not missed by the others: left to themselves, they are explained without the effect as well,
+    the numbers free to take the one linear step that the part kept them from.
+
+    Args:
+        evaluator: records that were fitted.
+        less: the fit without the effect.
+        found: the one with it, on the same data.
+    """
+    prior = np.array([1.0 if unknown.prior else 0.0 for unknown in less.unknowns])
+    pulled = prior * coordinates(less.hypothesis, less.unknowns)
+    scale = misfit_of(found)
+    for parts in _divisions(evaluator, found):
+        for number in np.unique(parts).tolist():
+            others = parts != number
+            jacobian, residual = less.jacobian[:, others], less.residual[others]
+            slope = jacobian @ residual + pulled
+            free = slope @ inverse_of(jacobian @ jacobian.T + np.diag(prior)) @ slope
+            without = residual @ residual + less.penalty - free
+            gain = without - found.residual[others] @ found.residual[others] - found.penalty
+            if 0.5 * gain / scale < LEAST_EVIDENCE:
+                return False
+    return True
 
 
 def _divisions(evaluator: Evaluator, found: Fit) -> Iterator[IntArray]:

@@ -1,6 +1,6 @@
 """A gap that is not as wide as the rig file says."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
@@ -39,6 +39,10 @@ class Clearance(Effect):
     def change_contact(self, contact: Contact) -> Contact:
         """The contact with this clearance."""
         return replace(contact, clearance=self.clearance)
+
+    def as_sleeve_numbers(self, contact: Contact) -> Mapping[str, float]:  # noqa: ARG002
+        """Its gap."""
+        return {"clearance": self.clearance}
 
     def in_words(self) -> str:
         """When it acts and what it does."""

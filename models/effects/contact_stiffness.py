@@ -1,6 +1,6 @@
 """A contact that is stiffer or softer than the rig file says."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
@@ -34,6 +34,10 @@ class ContactStiffness(Effect):
     def change_contact(self, contact: Contact) -> Contact:
         """The contact with the stiffer law."""
         return replace(contact, law=contact.law.stiffer(self.ratio))
+
+    def as_sleeve_numbers(self, contact: Contact) -> Mapping[str, float]:
+        """Its stiffness."""
+        return {"stiffness": self.ratio * contact.law.stiffness}
 
     def in_words(self) -> str:
         """When it acts and what it does."""

@@ -249,6 +249,14 @@ class Effect(ABC):
         """The contact of the effect's sleeve with this effect in it."""
         return contact
 
+    def as_sleeve_numbers(self, contact: Contact) -> Mapping[str, float]:  # noqa: ARG002
+        """Numbers of its sleeve, by their keys in a rig file, that do what it does in the mean; empty where none does.
+
+        Args:
+            contact: of its sleeve, without it.
+        """
+        return {}
+
     def point_laws(self, contact: Contact | None, structure: Structure) -> tuple[PointLaw, ...]:  # noqa: ARG002
         """Forces on the structure; ``contact`` is that of the effect's sleeve, with all changes, or None."""
         return ()

@@ -1,11 +1,13 @@
 """A contact whose damping changes during the record: grease that moves, warms or leaves."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
 import numpy as np
 
+from models.contact.hertz import Hertz
+from models.contact.kelvin_voigt import KelvinVoigt
 from models.contact.time_varying import TimeVarying
 from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature, parameter
 from models.errors import InputError
@@ -71,6 +73,10 @@ class TimeVaryingDamping(Effect):
         """The contact with the table as its dashpot."""
         law = contact.law
         return replace(contact, law=TimeVarying(law.stiffness, self.times, self.values, law.power))
+
+    def as_sleeve_numbers(self, contact: Contact) -> Mapping[str, float]:
+        """The mean of the table as a damping that stays, where the sleeve's law has a dashpot."""
+        return {"damping": float(np.mean(self.values))} if isinstance(contact.law, KelvinVoigt | Hertz) else {}
 
     def in_words(self) -> str:
         """When it acts and what it does."""

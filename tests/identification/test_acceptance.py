@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from trial_records import REFERENCE, evaluator_of, fit_of, measured, moved, multisine, oscillator
 
-from identification.acceptance import _refined, pruned, verdict_of
+from identification.acceptance import _refined, in_doubt, pruned, verdict_of
+from identification.established import NO_SIZE
 from identification.evaluate import unwhitened
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
@@ -241,3 +242,19 @@ def test_the_newest_makes_a_later_one_needless_too():
     assert index == 1
     assert [effect.place.position for effect in less.hypothesis.effects] == pytest.approx([0.7], abs=1e-3)
     assert "beside point_mass at 0.700 m the noise is reached without it" in session.decisions[-1]
+
+
+@pytest.mark.parametrize(("both", "kept"), [(True, True), (False, False)], ids=["in every record", "in one record"])
+def test_an_effect_whose_size_is_not_known_is_kept_where_the_other_records_need_it(both, kept):
+    truths = [Hypothesis(REFERENCE, effects=(MASS,)), Hypothesis(REFERENCE, effects=(MASS,) if both else ())]
+    pairs = [measured(t, multisine(seed=k, rms=2.0), name=f"record {k}") for k, t in enumerate(truths, start=1)]
+    session, unknowns = Listener(fitting=evaluator_of(*pairs)), rig_unknowns(REFERENCE)
+    calibrated = fit(session.fitting, Hypothesis(REFERENCE), unknowns, precise=True)
+    heavy = Hypothesis(REFERENCE, effects=(MASS,))
+    final = fit(session.fitting, heavy, (*unknowns, *effect_unknowns(heavy, places=False)), precise=True)
+    unsure = replace(final, covariance=1e12 * final.covariance)
+
+    assert in_doubt(session, calibrated, final, final) is None
+    assert session.decisions == []
+    assert in_doubt(session, calibrated, final, unsure) == (None if kept else (0, NO_SIZE))
+    assert [text.startswith("point_mass at 0.700 m: its size moves far") for text in session.decisions] == [True] * kept

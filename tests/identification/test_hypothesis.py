@@ -18,6 +18,8 @@ from identification.hypothesis import (
     rig_unknowns,
 )
 from models.effects import EFFECTS, Place
+from models.effects.clearance import Clearance
+from models.effects.contact_stiffness import ContactStiffness
 from models.effects.coulomb_friction import CoulombFriction
 from models.effects.point_mass import PointMass
 from models.effects.protocol import Scene
@@ -181,3 +183,25 @@ def test_a_displaced_sensor_stays_on_the_beam():
     (unknown,) = effect_unknowns(hypothesis)
     beyond = unknown.set(hypothesis, 2.0 * unknown.get(hypothesis))
     assert beyond.effects[0].position == length
+
+
+def test_an_effect_taken_out_hands_its_number_back_to_its_sleeve():
+    damping = next(p for p in REFERENCE.parameters() if p.path == "sleeves[1].damping")
+    table = TimeVaryingDamping(SLEEVE, times=(0.0, 1.0), values=(1.1 * damping.value, 1.3 * damping.value))
+    stiffer = ContactStiffness(SLEEVE, ratio=1.1)
+
+    less = Hypothesis(REFERENCE, effects=(table, stiffer)).handed_back(0)
+
+    assert less.effects == (stiffer,)
+    assert less.values == {damping.path: pytest.approx(1.2 * damping.value)}
+    wide = Hypothesis(REFERENCE, effects=(Clearance(SLEEVE, clearance=5.0 * REFERENCE.sleeves[1].clearance),))
+    gap = next(p for p in REFERENCE.parameters() if p.path == "sleeves[1].clearance")
+    assert gap.deviations(wide.handed_back(0).values[gap.path]) == pytest.approx(LARGEST_SIGMA)
+
+
+def test_an_effect_that_stands_for_no_number_of_the_rig_hands_nothing_back():
+    mass = Hypothesis(REFERENCE, {"density": 7900.0}, effects=(MASS,))
+
+    less = mass.handed_back(0)
+
+    assert (less.values, less.effects) == ({"density": 7900.0}, ())

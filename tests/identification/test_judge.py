@@ -160,11 +160,19 @@ def test_those_that_fit_nearly_alike_are_fitted_to_the_end(refits, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("left", "is_late", "looked_at"),
-    [(1.05, False, [False]), (2.0, False, [False, True]), (1.05, True, [False, True])],
+    ("left", "is_late", "refitted", "looked_at"),
+    [
+        (1.05, False, 1.0, [False]),
+        (2.0, False, 1.0, [False, True]),
+        (1.05, True, 1.0, [False, True]),
+        (1.05, False, 1.5, [False, True]),
+    ],
 )
-def test_kinds_in_time_are_looked_at_where_no_other_reaches_the_noise(monkeypatch, left, is_late, looked_at):
-    """Where the view begins late, what reaches the noise there may be a drift that has come so far."""
+def test_kinds_in_time_are_looked_at_where_no_other_reaches_the_noise(monkeypatch, left, is_late, refitted, looked_at):
+    """Where the view begins late, what reaches the noise there may be a drift that has come so far.
+
+    And what reaches it in the view may not in all that is fitted.
+    """
     asked, far = [], fit_of(MASS, 4000.0)
 
     def beside(view, base, progress):
@@ -172,7 +180,7 @@ def test_kinds_in_time_are_looked_at_where_no_other_reaches_the_noise(monkeypatc
         return [Sketch(far, fit_of(MASS, 1000.0 * left**2))]
 
     def settled(sketches, fitting, base, registry, progress, known):
-        return [Ranked(MASS, fit_of(MASS, 1000.0), refitted=True, log_evidence=0.0)]
+        return [] if known else [Ranked(MASS, fit_of(MASS, 1000.0 * refitted**2), refitted=True, log_evidence=0.0)]
 
     monkeypatch.setattr(judging, "beside", beside)
     monkeypatch.setattr(judging, "finals", settled)

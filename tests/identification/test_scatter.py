@@ -7,11 +7,12 @@ from trial_records import REFERENCE, evaluator_of, measured, multisine
 
 from identification.evaluate import Evaluator
 from identification.fit import fit
-from identification.hypothesis import Hypothesis, coordinates, rig_unknowns
+from identification.hypothesis import Hypothesis, coordinates, effect_unknowns, rig_unknowns
 from identification.intervals import corrected
 from identification.rest_target import FrfTarget, ModesTarget
-from identification.scatter import beyond_noise, widening
+from identification.scatter import beyond_noise, is_needed_throughout, widening
 from models.effects import Place
+from models.effects.point_mass import PointMass
 from models.effects.sensor_gain import SensorGain
 
 UNKNOWNS = rig_unknowns(REFERENCE)
@@ -115,3 +116,28 @@ def test_frfs_of_two_rigs_disagree_and_those_of_one_do_not():
     assert len(table.mode_freqs) == table.n_data
     assert factors[0] > 5.0
     assert factors[1] < 2.0
+
+
+HEAVY = PointMass(Place(position=0.8), 0.1)
+
+
+def fits_of(*truths):
+    """The records of these rigs, and the fits of the reference rig to them without the mass and with it."""
+    pairs = [
+        measured(truth, multisine(4096, rms=2.0, low=10.0, seed=seed), seed=seed, name=f"record {seed}")
+        for seed, truth in enumerate(truths, start=1)
+    ]
+    evaluator, heavy = evaluator_of(*pairs), TRUTH.with_effects(HEAVY)
+    less = fit(evaluator, TRUTH, UNKNOWNS, precise=True)
+    return evaluator, less, fit(evaluator, heavy, (*UNKNOWNS, *effect_unknowns(heavy, places=False)), precise=True)
+
+
+def test_an_effect_of_the_rig_is_needed_throughout():
+    assert is_needed_throughout(*fits_of(TRUTH.with_effects(HEAVY), TRUTH.with_effects(HEAVY)))
+
+
+def test_what_one_record_alone_has_is_not():
+    evaluator, less, found = fits_of(TRUTH.with_effects(HEAVY), TRUTH)
+
+    assert less.cost - found.cost > 1e3  # decisive, if nobody asks which of them says so
+    assert not is_needed_throughout(evaluator, less, found)
