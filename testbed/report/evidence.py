@@ -29,8 +29,8 @@ def because(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict != "missing_effect":
         best = diagnosis.candidates[0]
         return (
-            f"Of {len(diagnosis.candidates)} suspects the best, {best.effect.label()}, would leave "
-            f"{_about(best)}{percent(best.nrmse)} on the records it was weighed on."
+            f"Of {len(diagnosis.candidates)} suspects the best, {best.effect.label()}, would miss "
+            f"{_about(best)}{percent(best.nrmse)} of the records it was weighed on."
         )
     first = diagnosis.added[0]
     chosen = next((each for each in diagnosis.candidates if _same(each.effect, first.effect)), None)
@@ -45,8 +45,8 @@ def because(diagnosis: Diagnosis) -> str:
     behind = chosen.log_evidence - rival.log_evidence
     how = "decisively" if behind > DECISIVE else "not decisively"
     return (
-        f"{shows} With {first.effect.label()} the model leaves {percent(chosen.nrmse)} of the records it was weighed "
-        f"on; the next best, {rival.effect.label()}, leaves {_about(rival)}{percent(rival.nrmse)} and stands "
+        f"{shows} With {first.effect.label()} the model misses {percent(chosen.nrmse)} of the records it was weighed "
+        f"on; the next best, {rival.effect.label()}, misses {_about(rival)}{percent(rival.nrmse)} and stands "
         f"{number(float(f'{behind:.2g}'))} behind in log evidence, {how}."
     )
 

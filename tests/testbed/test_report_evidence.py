@@ -112,8 +112,8 @@ def test_the_rival_that_lost_is_named_with_what_it_leaves():
     words = because(diagnosis)
 
     assert FILM.signature.place in words
-    assert "leaves 0.71 %" in words
-    assert f"{FRICTION.label()}, leaves 5.0 % and stands 9 behind in log evidence, decisively" in words
+    assert "misses 0.71 %" in words
+    assert f"{FRICTION.label()}, misses 5.0 % and stands 9 behind in log evidence, decisively" in words
 
 
 def test_a_rival_of_its_own_group_is_no_rival():
@@ -123,12 +123,12 @@ def test_a_rival_of_its_own_group_is_no_rival():
 
     words = because(grouped)
 
-    assert "sensor_gain on P4, leaves about 20 % and stands 3 behind in log evidence, not decisively" in words
+    assert "sensor_gain on P4, misses about 20 % and stands 3 behind in log evidence, not decisively" in words
     assert FRICTION.label() not in words
 
 
 def test_the_best_that_was_not_enough_is_named():
     words = because(made_up_diagnosis(RIG, verdict="unexplained"))
 
-    assert words.startswith(f"Of 2 suspects the best, {FILM.label()}, would leave 0.71 %")
+    assert words.startswith(f"Of 2 suspects the best, {FILM.label()}, would miss 0.71 %")
     assert because(replace(made_up_diagnosis(RIG), candidates=())) == ""
