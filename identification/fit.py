@@ -241,7 +241,7 @@ def _along_valleys(evaluator: Evaluator, state: _State, unknowns: tuple[Unknown,
             along = np.zeros(len(unknowns))
             along[told] = directions[:, k] / norms[told]
             slope = _slope_along(evaluator, state, unknowns, along, float(np.sqrt(max(size[k], 0.0))))
-            if slope is not None:
+            if slope is not None and np.linalg.norm(slope) < TOO_STEEP:
                 slope_of[k] = slope
         if not slope_of:
             return
@@ -296,6 +296,10 @@ smaller one so much less: it would have to change by more than the slope that is
 
 NEARLY_CANCELLED = 0.05
 """Norm of a combination of rows, each of norm 1, below which a hundredth of a row is no longer little."""
+
+TOO_STEEP = 10.0 * NEARLY_CANCELLED
+"""Slope along a valley, of rows of norm 1, that rows good to a hundredth cannot have missed: the difference was taken
+over so short a step, or beside a motion so near to sticking, that it is none."""
 
 VALLEY_STEP = 0.3
 """Longest move of any unknown along a valley to either side, in its own coordinate."""

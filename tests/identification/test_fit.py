@@ -20,6 +20,7 @@ from identification.hypothesis import (
 from identification.prepare import start_unknowns
 from models.effects import Place
 from models.effects.contact_stiffness import ContactStiffness
+from models.effects.force_gain import ForceGain
 from models.effects.youngs_modulus import YoungsModulus
 
 
@@ -356,3 +357,18 @@ def test_what_the_data_do_not_tell_is_not_known():
 
     assert found.std()[2] > 100.0
     assert max(found.std()[:2]) < 1.0
+
+
+def test_a_slope_that_no_valley_can_have_is_not_believed(monkeypatch):
+    """Mass, stiffness and the force's gain nearly cancel; a difference over next to nothing is no slope of theirs."""
+    rig, evaluator = REFERENCE, evaluator_of(measured(Hypothesis(REFERENCE), multisine(rms=2.0)))
+    hypothesis = Hypothesis(rig, effects=(ForceGain(Place(), gain=1.01),))
+    unknowns, asked = (*rig_unknowns(rig), *effect_unknowns(hypothesis)), []
+
+    def fitted(slope):
+        monkeypatch.setattr("identification.fit.NEARLY_CANCELLED", 1.0)
+        monkeypatch.setattr("identification.fit._slope_along", lambda *_: asked.append(slope) or slope)
+        return fit(evaluator, hypothesis, unknowns, precise=True).covariance
+
+    np.testing.assert_array_equal(fitted(np.full(evaluator.n_data, 1e6)), fitted(None))
+    assert len(asked) > 2
