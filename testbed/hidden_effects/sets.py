@@ -201,7 +201,7 @@ REPORTED = CaseSet(
             "looked at where another one reaches the noise in the first seconds; a number of a sleeve that an effect "
             "stands for",
         ),
-        19387: Batch("60b6d46"),
+        19387: Batch("eac4896"),
     },
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),
