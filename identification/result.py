@@ -95,6 +95,10 @@ class Score:
     records: tuple[RecordScore, ...]
     at_rest: tuple[FrfScore | ModesScore, ...] = ()
 
+    def of(self, name: str) -> RecordScore:
+        """The row of the time record of that name, which must be there."""
+        return next(row for row in self.records if row.record.name == name)
+
     @property
     def nrmse(self) -> float:
         """Overall error."""

@@ -65,7 +65,7 @@ def budget_table(diagnosis: Diagnosis, rig: Rig) -> BudgetTable | None:
 
 def _model(split: Split, stage: Stage) -> Mapping[str, str]:
     """What a model misses of a record, and what of that a perfect one would not."""
-    predicted = next(row.predicted for row in stage.score.records if row.record.name == split.record.name)
+    predicted = stage.score.of(split.record.name).predicted
     gain = gain_of(split, predicted)
     parts = {"error": gain.error, "possible": gain.possible, "nonlinear": gain.nonlinear}
     return {name: _share(split, part.sum(axis=1)) for name, part in parts.items()}

@@ -94,7 +94,7 @@ def left_picture(diagnosis: Diagnosis, rig: Rig) -> Picture:
     before = diagnosis.calibrated if diagnosis.final.hypothesis.effects else diagnosis.stages[0]
     record, channel = _telling(before, diagnosis.final)
     stages = [before] if before is diagnosis.final else [before, diagnosis.final]
-    rows = [_row(stage, record) for stage in stages]
+    rows = [stage.score.of(record) for stage in stages]
     fs, sensor = rows[0].record.fs, rows[0].record.sensors[channel]
     noise = float(rows[-1].noise.sensors[channel])
     unit = unit_of(rig.sensor(sensor).quantity)
@@ -181,14 +181,10 @@ BANDS, MOST_OF_IT, QUIET = 40, 0.999, 1e-3
 """Bands up to the frequency below which so much of the model's power lies; share of a mean band's power that counts."""
 
 
-def _row(stage: Stage, record: str) -> RecordScore:
-    return next(row for row in stage.score.records if row.record.name == record)
-
-
 def _telling(before: Stage, after: Stage) -> tuple[str, int]:
     """Record and channel in which the fall of the error is most times the noise, or the error where nothing falls."""
     falls: Mapping[str, FloatArray] = {
-        row.record.name: _in_noise(row) - (0.0 if before is after else _in_noise(_row(after, row.record.name)))
+        row.record.name: _in_noise(row) - (0.0 if before is after else _in_noise(after.score.of(row.record.name)))
         for row in before.score.records
     }
     name = max(falls, key=lambda each: float(falls[each].max()))

@@ -10,7 +10,7 @@ from models.rig import Rig
 from testbed.figures.report_style import report_style
 from testbed.proposal import HEADS, excitation_rows, option_rows
 from testbed.report.budget_rows import budget_table
-from testbed.report.evidence import because, evidence_picture
+from testbed.report.evidence import DECISIVE, because, evidence_picture
 from testbed.report.figures import (
     error_steps,
     force_pictures,
@@ -94,6 +94,7 @@ def _content(diagnosis: Diagnosis, rig: Rig, provenance: Provenance) -> dict[str
         "pulls_picture": pulls_picture(pulls) if pulls.rows else None,
         "candidates": candidates[:CANDIDATES],
         "more_candidates": candidates[CANDIDATES:],
+        "decisive": f"{DECISIVE:g}",
         "groups": group_rows(diagnosis),
         "because": because(diagnosis),
         "evidence": evidence_picture(diagnosis, rig, place) or next(iter((*forces, *frfs)), None),
