@@ -65,9 +65,10 @@ def hidden_effects(
         print_json(summary)
     else:
         rows = [
-            (bar["name"], bar["value"], bar["bar"], bar["aim"], bar["met"], bar["cases"]) for bar in summary["bars"]
+            (bar["name"], bar["value"], bar["bar"], bar["aim"], bar["met"], bar["cases"], newest["value"])
+            for bar, newest in zip(summary["bars"], summary["newest"]["bars"], strict=True)
         ]
-        print_table(("what", "reached", "bar", "aim", "met", "cases"), rows)
+        print_table(("what", "reached", "bar", "aim", "met", "cases", "newest batches"), rows)
         say(f"written: {folder}/README.md, summary.json and figures; {summary['cases']} cases in {folder}/cases")
     if summary["missed"]:
         raise typer.Exit(MISSED)

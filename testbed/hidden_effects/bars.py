@@ -7,6 +7,9 @@ from scipy.stats import binomtest
 
 from testbed.outputs import Json
 
+ENOUGH, ENOUGH_NOTHING = 200, 50
+"""Cases that the figures are to be of, and of them with nothing hidden."""
+
 
 @dataclass(frozen=True)
 class Bar:
@@ -105,7 +108,7 @@ def bars_of(figures: Json) -> list[Json]:
             seconds["cases"],
             least=False,
         ),
-        Bar("cases", float(figures["cases"]), 200.0, 200.0, figures["cases"]),
-        Bar("of them with nothing hidden", float(nothing["cases"]), 50.0, 50.0, nothing["cases"]),
+        Bar("cases", float(figures["cases"]), ENOUGH, ENOUGH, figures["cases"]),
+        Bar("of them with nothing hidden", float(nothing["cases"]), ENOUGH_NOTHING, ENOUGH_NOTHING, nothing["cases"]),
     )
     return [asdict(bar) | {"interval": bar.interval, "met": bar.met} for bar in bars]

@@ -9,6 +9,7 @@ import numpy as np
 from identification.outcome import UNTRIED
 from testbed.hidden_effects.bars import bars_of
 from testbed.hidden_effects.judge import NEAR
+from testbed.hidden_effects.newest import newest_of
 from testbed.hidden_effects.plan import NOTHING, OUTSIDE, TWO
 from testbed.hidden_effects.sets import FEW, MANY, SETS
 from testbed.outputs import Json
@@ -36,15 +37,19 @@ def summary_of(cases: Sequence[Json], case_set: str) -> Json:
         cases: of one set, done or failed, as their files hold them.
         case_set: its name.
     """
-    groups = {name: [c for c in cases if class_of(c) == name] for name in (*CLASSES.values(), ONE)}
+    groups = _by_class(cases)
     done = [case for case in cases if "judged" in case]
     hidden_one = groups[ONE]
+    reached, newest = reached_over(cases), newest_of(cases, SETS[case_set].batches)
+    bars = bars_of(reached)
     named = [case for case in done if case["judged"]["verdict"] == "missing_effect"]
-    figures: Json = {
+    return {
         "set": case_set,
-        "cases": len(cases),
+        "bars": bars,
+        "missed": [bar["name"] for bar in bars if bar["met"] is False],
+        "newest": {"seeds": sorted({case["seed"] for case in newest}), "bars": bars_of(reached_over(newest))},
         "failed": [{"case": case["case"], "failure": case["failure"]} for case in cases if "judged" not in case],
-        **{name: row_of(group) for name, group in groups.items()},
+        **reached,
         f"one effect below {MANY:g} times the noise": row_of([c for c in hidden_one if _ratio(c) < MANY]),
         f"one effect from {MANY:g} times the noise on": row_of([c for c in hidden_one if _ratio(c) >= MANY]),
         "chaotic": row_of([case for case in cases if case.get("chaotic")]),
@@ -58,17 +63,28 @@ def summary_of(cases: Sequence[Json], case_set: str) -> Json:
         "missed_silently": sum(c["judged"]["verdict"] == "complete" for c in done if c["hidden"]),
         "named_besides": sum(c["judged"]["n_found"] > len(c["hidden"]) for c in done if c["judged"]["right"]),
         "place_errors": place_errors([case for case in done if class_of(case) == ONE]),
-        "numbers": numbers(done),
         "calibration": calibration([c for c in named if SETS[case_set].batches[c["seed"]].keeps]),
         "calibration_before": calibration([c for c in named if not SETS[case_set].batches[c["seed"]].keeps]),
-        "held_out": held_out([c for c in done if class_of(c) != CLASSES[OUTSIDE]]),
         "detection": detection([c for c in done if class_of(c) == ONE]),
-        "seconds": seconds(done),
         "farthest": [_miss(case) for case in farthest(done)],
         "misses": [_miss(case) for case in cases if "judged" not in case or not case["judged"]["right"]],
     }
-    bars = bars_of(figures)
-    return figures | {"bars": bars, "missed": [bar["name"] for bar in bars if bar["met"] is False]}
+
+
+def reached_over(cases: Sequence[Json]) -> Json:
+    """The figures that have a bar.
+
+    Args:
+        cases: of one set.
+    """
+    done = [case for case in cases if "judged" in case]
+    return {
+        "cases": len(cases),
+        **{name: row_of(group) for name, group in _by_class(cases).items()},
+        "numbers": numbers(done),
+        "held_out": held_out([c for c in done if class_of(c) != CLASSES[OUTSIDE]]),
+        "seconds": seconds(done),
+    }
 
 
 def batch_of(cases: Sequence[Json]) -> Json:
@@ -78,14 +94,18 @@ def batch_of(cases: Sequence[Json]) -> Json:
         cases: of that seed.
     """
     kept = held_out([case for case in cases if "judged" in case and class_of(case) != CLASSES[OUTSIDE]])
-    classes = {name: row_of([c for c in cases if class_of(c) == name]) for name in (ONE, *CLASSES.values())}
-    counts = {name: {key: row[key] for key in ("right", "cases")} for name, row in classes.items()}
+    rows = {name: row_of(group) for name, group in _by_class(cases).items()}
+    counts = {name: {key: row[key] for key in ("right", "cases")} for name, row in rows.items()}
     return {"cases": len(cases), "classes": counts, "after_median": kept["median"]}
 
 
 def class_of(case: Json) -> str:
     """Of which class a case is, in words."""
     return CLASSES.get(case["kind"], ONE)
+
+
+def _by_class(cases: Sequence[Json]) -> dict[str, list[Json]]:
+    return {name: [case for case in cases if class_of(case) == name] for name in (ONE, *CLASSES.values())}
 
 
 def row_of(cases: Sequence[Json]) -> Json:

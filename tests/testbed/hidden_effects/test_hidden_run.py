@@ -94,6 +94,17 @@ def test_other_batches_count_and_other_seeds_do_not(tmp_path):
     page = (tmp_path / "README.md").read_text()
     assert f"| {last} | {REPORTED.batches[last].diagnosis} | 1 | 0 of 0 | 1 of 1 |" in page
     assert REPORTED.batches[SEED].taught in page
+    assert f"Seeds {SEED}, {last}:" in page
+
+
+def test_how_a_batch_was_run_is_told_where_it_must_be_known(tmp_path):
+    *others, (told_of, batch) = [(seed, batch) for seed, batch in REPORTED.batches.items() if batch.run]
+    case = made_up("nothing", 0, seed=told_of)
+    keep_json(tmp_path / "cases" / f"{case['case']}.json", case)
+    run(tmp_path)
+    page = (tmp_path / "README.md").read_text()
+    assert f"- Seed {told_of}: {batch.run}" in page
+    assert not any(other.run in page for _, other in others)
 
 
 def test_a_case_that_failed_is_kept_and_tried_again(tmp_path):
