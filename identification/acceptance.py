@@ -262,7 +262,7 @@ def verdict_of(session: Session, calibrated: Fit, final: Fit, *, searched: bool,
         session.decide(f"complete: {complete}")
         return "complete"
     session.decide(
-        f"unexplained: the best of the library leaves {final.ratio:.2f} times the noise and takes away {share:.0%} of "
+        f"unexplained: the best of the library leaves {final.ratio:.2f} times the noise and takes away {share:.1%} of "
         f"the misfit beyond it; {enough:.0%} would be a diagnosis"
         if has_effects
         else "unexplained: nothing in the library explains what is left"

@@ -49,6 +49,7 @@ def frame_json(study: FrictionFrame) -> Json:
             "loose_stiffness": {"value": row.loose[0], "sigmas": sigmas_of(row.loose[0]), "unit": "N/m"},
             "loose_elsewhere_mm": {str(weight): error for weight, error in study.elsewhere[row.weight].items()},
             "diagnosis": diagnosis_json(row.diagnosis),
+            "diagnosis_without_tolerances": diagnosis_json(row.unheld),
         }
         for row in study.rows
     ]
@@ -142,6 +143,8 @@ def frame_page(study: FrictionFrame, command: str) -> str:
             yield f"## {r.weight} g"
             yield ""
             yield from _decided(r.diagnosis.decisions)
+            yield ""
+            yield from _decided(r.unheld.decisions, "Free to take any stiffness, and asked for one effect:")
 
     picture = "![Friction against weight](figures/friction_frame.png)"
     return _page("The friction frame", command, study.bars, picture, rest())
@@ -187,8 +190,8 @@ def _number(error: float | None) -> str:
     return "no steady state" if error is None else f"{error:.2f}"
 
 
-def _decided(decisions: Sequence[str]) -> Iterator[str]:
-    yield "What was decided, in order:"
+def _decided(decisions: Sequence[str], heading: str = "What was decided, in order:") -> Iterator[str]:
+    yield heading
     yield ""
     for text in decisions:
         yield f"- {text}"

@@ -205,7 +205,7 @@ def test_an_imitation_is_told_with_its_share():
     _, words = called(2.2, 1.45)
 
     assert "leaves 1.45 times the noise" in words
-    assert "takes away 71% of the misfit" in words
+    assert "takes away 71.3% of the misfit" in words
 
 
 def test_a_table_is_refined_beside_the_effect_that_was_found_after_it():

@@ -62,7 +62,7 @@ def test_a_frame_that_rubs_against_the_ground(load):
     first = run_of("first half", fs, base, top, slice(None, half), "top")
     second = run_of("second half", fs, base, top, slice(half, None), "top")
 
-    found = diagnose(FRAME, [first], [second])
+    found = diagnose(FRAME, [first], [second], most_effects=1)
 
     effect = found.added[0].effect
     assert (effect.kind, effect.against) == ("coulomb_friction", "ground")
