@@ -3,15 +3,27 @@
 import os
 import sys
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from testbed.cli.options import AsJson, Out, out_folder
 from testbed.cli.progress import progress
 
+if TYPE_CHECKING:
+    from testbed.hidden_effects.crew import Workers
+
 EXAMPLE = "Example: testbed benchmark hidden-effects --set tuning --cases 20 --out results/tuning"
+AGAIN = "Example: testbed benchmark next-experiments results/hidden_effects --out results/next_experiments"
 MISSED = 1
+
+Jobs = Annotated[
+    int | None, typer.Option("--jobs", min=1, help="Cases at a time; all cores unless given.", show_default=False)
+]
+Threads = Annotated[int, typer.Option("--threads", min=1, help="Of each diagnosis.")]
+Scheduler = Annotated[
+    str | None, typer.Option("--scheduler", metavar="ADDRESS", help="Of a Dask cluster.", show_default=False)
+]
 
 benchmark = typer.Typer(help="What the diagnosis is worth, on random rigs.", no_args_is_help=True, epilog=EXAMPLE)
 
@@ -36,27 +48,19 @@ def hidden_effects(
         ),
     ] = None,
     out: Out = None,
-    jobs: Annotated[
-        int | None, typer.Option("--jobs", min=1, help="Cases at a time; all cores unless given.", show_default=False)
-    ] = None,
-    threads: Annotated[int, typer.Option("--threads", min=1, help="Of each diagnosis.")] = 1,
-    scheduler: Annotated[
-        str | None,
-        typer.Option("--scheduler", metavar="ADDRESS", help="Of a Dask cluster.", show_default=False),
-    ] = None,
+    jobs: Jobs = None,
+    threads: Threads = 1,
+    scheduler: Scheduler = None,
     as_json: AsJson = False,
 ) -> None:
     """Hide effects in random rigs, diagnose, count; goes on where it was stopped; status 1 if a bar is missed."""
     folder = out_folder(out, Path("hidden_effects" if case_set == "reported" else "hidden_effects_tuning"))
     with progress() as tell:
-        from testbed.hidden_effects.cluster import on_cluster
-        from testbed.hidden_effects.crew import on_this_machine
         from testbed.hidden_effects.plan import planned
         from testbed.hidden_effects.run import run_hidden_effects
 
         tasks = planned(case_set, cases, only or ())
-        at_a_time = jobs or max(1, (os.cpu_count() or 1) // threads)
-        workers = on_this_machine(at_a_time) if scheduler is None else on_cluster(scheduler)
+        workers = _workers(jobs, threads, scheduler)
         command = ["testbed", *sys.argv[1:]]
         summary = run_hidden_effects(tasks, folder, workers, threads=threads, command=command, progress=tell)
     from testbed.cli.tables import print_json, print_table, say
@@ -72,3 +76,44 @@ def hidden_effects(
         say(f"written: {folder}/README.md, summary.json and figures; {summary['cases']} cases in {folder}/cases")
     if summary["missed"]:
         raise typer.Exit(MISSED)
+
+
+@benchmark.command("next-experiments", epilog=AGAIN)
+def next_experiments(
+    results: Annotated[Path, typer.Argument(metavar="RESULTS", help="Folder that benchmark hidden-effects wrote.")],
+    *,
+    cases: Annotated[
+        int | None, typer.Option("--cases", min=1, help="The first so many; all unless given.", show_default=False)
+    ] = None,
+    out: Out = None,
+    jobs: Jobs = None,
+    threads: Threads = 1,
+    scheduler: Scheduler = None,
+    as_json: AsJson = False,
+) -> None:
+    """Carry out the tests that were proposed where a group was stated, and diagnose again; goes on where it stopped."""
+    folder = out_folder(out, Path("next_experiments"))
+    with progress() as tell:
+        from testbed.hidden_effects.proposed_run import run_next_experiments, with_a_group
+
+        tasks = with_a_group(results)[:cases]
+        command = ["testbed", *sys.argv[1:]]
+        summary = run_next_experiments(
+            tasks, folder, _workers(jobs, threads, scheduler), threads=threads, command=command, progress=tell
+        )
+    from testbed.cli.tables import print_json, print_table, say
+
+    if as_json:
+        print_json(summary)
+    else:
+        print_table(("outcome", "cases"), list(summary["outcomes"].items()))
+        say(f"written: {folder}/README.md and summary.json; {summary['cases']} cases in {folder}/cases")
+
+
+def _workers(jobs: int | None, threads: int, scheduler: str | None) -> "Workers":
+    from testbed.hidden_effects.cluster import on_cluster
+    from testbed.hidden_effects.crew import on_this_machine
+
+    if scheduler is not None:
+        return on_cluster(scheduler)
+    return on_this_machine(jobs or max(1, (os.cpu_count() or 1) // threads))

@@ -36,10 +36,19 @@ def run_case(task: Task, threads: int = 1, draw: Callable[[Task], Case] = draw_c
             about |= described(case)
             about |= diagnosed(case, threads)
     except Exception as failure:  # noqa: BLE001 - a crash is a result of the benchmark, told with its message
-        frames = traceback.extract_tb(failure.__traceback__)
-        where = [f"{Path(frame.filename).name}:{frame.lineno} {frame.name}" for frame in frames]
-        return about | {"failure": f"{type(failure).__name__}: {failure}", "where": where}
+        return about | told(failure)
     return about | {"seconds": {"draw": drawn, "diagnosis": about["diagnosis"]["seconds"], "threads": threads}}
+
+
+def told(failure: Exception) -> Json:
+    """What a file holds of a case that crashed.
+
+    Args:
+        failure: caught.
+    """
+    frames = traceback.extract_tb(failure.__traceback__)
+    where = [f"{Path(frame.filename).name}:{frame.lineno} {frame.name}" for frame in frames]
+    return {"failure": f"{type(failure).__name__}: {failure}", "where": where}
 
 
 def described(case: Case) -> Json:
@@ -52,7 +61,7 @@ def described(case: Case) -> Json:
         "engine": case.truth.engine,
         "parts": case.truth.resolution.n_parts,
         "steps_per_sample": case.truth.resolution.steps_per_sample,
-        "hidden": [entry_of(effect).model_dump(mode="json", exclude_none=True) for effect in case.truth.hidden],
+        "hidden": hidden_in(case),
         "snr_db": case.snr_db,
         "growth": case.growth,
         "amplification": case.amplification,
@@ -83,15 +92,11 @@ def diagnosed(case: Case, threads: int) -> Json:
     content: Json = diagnosis_json(found)
     calibrated = found.calibrated
     held_out = assess(calibrated.hypothesis, (case.holdout,), jobs=threads, seed=case.task.number).nrmse
-    beam = case.rig.structure
-    assert isinstance(beam, Beam)
-    sleeves = {sleeve.name: sleeve.position for sleeve in case.rig.sleeves}
-    hidden = [entry_of(effect).model_dump(mode="json", exclude_none=True) for effect in case.truth.hidden]
     noise = case.noise_nrmse[HELD]
     learnt = sum(case.noise_nrmse[name] ** 2 for name in LEARNT) / len(LEARNT)
     errors = content["holdout"]
     return {
-        "judged": judged(content, case.task.kind, hidden, sleeves, beam.length),
+        "judged": judged_case(case, content),
         "calibrated_ratio": calibrated.score.nrmse / learnt**0.5,
         "held_out": {
             "before": errors["as given"] / noise,
@@ -102,3 +107,25 @@ def diagnosed(case: Case, threads: int) -> Json:
         },
         "diagnosis": content,
     }
+
+
+def judged_case(case: Case, diagnosis: Json) -> Json:
+    """What the scores need to know of a diagnosis of a case.
+
+    Args:
+        case: drawn.
+        diagnosis: as ``diagnosis.json``.
+    """
+    beam = case.rig.structure
+    assert isinstance(beam, Beam)
+    sleeves = {sleeve.name: sleeve.position for sleeve in case.rig.sleeves}
+    return judged(diagnosis, case.task.kind, hidden_in(case), sleeves, beam.length)
+
+
+def hidden_in(case: Case) -> list[Json]:
+    """Kind, place and numbers of each hidden effect, in plain values.
+
+    Args:
+        case: drawn.
+    """
+    return [entry_of(effect).model_dump(mode="json", exclude_none=True) for effect in case.truth.hidden]

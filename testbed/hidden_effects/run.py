@@ -3,7 +3,7 @@
 import json
 import shlex
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from identification.progress import Progress
@@ -51,11 +51,7 @@ def run_hidden_effects(
         InputError: a folder that cannot be written, or explanations that are not TOML.
     """
     explained = explanations(out)
-    todo = [task for task in tasks if not is_done(path_of(out, task))]
-    progress(f"{len(tasks) - len(todo)} of {len(tasks)} cases are there, {len(todo)} to do")
-    for done, (task, case) in enumerate(workers(todo, run, threads) if todo else (), start=1):
-        keep_json(path_of(out, task), case)
-        progress(f"{done}/{len(todo)} {in_a_line(case)}")
+    run_missing(tasks, out, workers, run, threads=threads, progress=progress, line=in_a_line)
     case_set = tasks[0].case_set
     files = [json.loads(file.read_text(encoding="utf-8")) for file in sorted((out / CASES).glob(f"{case_set}-*.json"))]
     cases = [case for case in files if case.get("seed") in SETS[case_set].batches]
@@ -66,6 +62,34 @@ def run_hidden_effects(
         for name, figure in figures_of(summary):
             save(figure, stage / "figures", name)
     return summary
+
+
+def run_missing(
+    tasks: Sequence[Task],
+    out: Path,
+    workers: Workers,
+    run: RunCase,
+    *,
+    threads: int,
+    progress: Progress,
+    line: Callable[[Json], str],
+) -> None:
+    """Run the cases that are not there yet; each is kept as soon as it is done.
+
+    Args:
+        tasks: cases that are asked for.
+        out: folder of the results.
+        workers: who runs them.
+        run: what a case is run by.
+        threads: of each diagnosis.
+        progress: told of each case.
+        line: a case as the progress tells it.
+    """
+    todo = [task for task in tasks if not is_done(path_of(out, task))]
+    progress(f"{len(tasks) - len(todo)} of {len(tasks)} cases are there, {len(todo)} to do")
+    for done, (task, case) in enumerate(workers(todo, run, threads) if todo else (), start=1):
+        keep_json(path_of(out, task), case)
+        progress(f"{done}/{len(todo)} {line(case)}")
 
 
 def path_of(out: Path, task: Task) -> Path:

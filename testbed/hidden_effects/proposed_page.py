@@ -1,0 +1,107 @@
+"""What came of the proposed tests: counts, and a page in Markdown."""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from typing import get_args
+
+import numpy as np
+
+from identification.next_experiment.words import PARTED, sigmas
+from testbed.hidden_effects.proposed import Outcome
+from testbed.outputs import Json
+
+ABOUT = f"""\
+Where a diagnosis of the hidden-effect benchmark states a group of effects that its records do not tell apart, it
+proposes a test. Here the test is carried out on the rig as it really is, with the noise that its channels have had so
+far, by MuJoCo or Exudyn, and the rig is diagnosed again from the old records and the new one together.
+
+*Told apart*: the right effect is named and no group is stated any more. *Still open*: a group is stated, and the right
+effect is in it. *Wrong*: it is not. *No group*: the diagnosis of today states none, of the same records.
+A test *parts* the group where its members' predictions differ by {PARTED:g} standard deviation of the noise or more,
+whatever numbers they take; where no affordable test does, the proposal says so, and a law that holds the other one
+within it is left. *Promised* is the mean probability that the right one was expected to have afterwards; *reached* the
+one that it has, 0 where it is not named.
+"""
+
+
+def proposed_summary(cases: Sequence[Json]) -> Json:
+    """The content of ``summary.json``.
+
+    Args:
+        cases: done or failed, as their files hold them.
+    """
+    done = [case for case in cases if "outcome" in case]
+    tested = [case for case in done if "after" in case]
+    parted = [case for case in tested if case["proposal"]["separation"] >= PARTED]
+    return {
+        "cases": len(cases),
+        "failed": [{"case": case["case"], "failure": case["failure"]} for case in cases if case not in done],
+        "outcomes": {name: sum(case["outcome"] == name for case in done) for name in get_args(Outcome)},
+        "expected to part": _about(parted),
+        "not expected to part": _about([case for case in tested if case not in parted]),
+        "rows": done,
+    }
+
+
+def _about(cases: Sequence[Json]) -> Json:
+    outcomes = Counter(case["outcome"] for case in cases)
+    promised = [case["proposal"]["expected_probability"] for case in cases]
+    present = [case["proposal"]["present_probability"] for case in cases]
+    reached = [(case["after"]["probability"] or 0.0) if case["after"]["right"] else 0.0 for case in cases]
+    means = {"present": present, "promised": promised, "reached": reached}
+    return {
+        "cases": len(cases),
+        "outcomes": dict(outcomes),
+        **{name: float(np.mean(some)) if some else None for name, some in means.items()},
+    }
+
+
+def proposed_page(summary: Json, command: str) -> str:
+    """The page.
+
+    Args:
+        summary: content of ``summary.json``.
+        command: that makes it again.
+    """
+    lines = ["# The next experiment, carried out", "", f"Made by `{command}`.", "", ABOUT, *_counts(summary), ""]
+    return "\n".join([*lines, "## One by one", "", *_rows(summary["rows"]), *_failed(summary["failed"])]) + "\n"
+
+
+def _counts(summary: Json) -> Iterator[str]:
+    told = ", ".join(f"{name}: {count}" for name, count in summary["outcomes"].items())
+    yield f"{summary['cases']} cases with a stated group. {told[0].upper()}{told[1:]}."
+    yield ""
+    yield "| tests | carried out | told apart | still open | wrong | probability now | promised | reached |"
+    yield "|---|---|---|---|---|---|---|---|"
+    for name in ("expected to part", "not expected to part"):
+        row = summary[name]
+        counts = " | ".join(str(row["outcomes"].get(key, 0)) for key in ("told apart", "still open", "wrong"))
+        means = " | ".join("" if row[key] is None else f"{row[key]:.3f}" for key in ("present", "promised", "reached"))
+        yield f"| {name} | {row['cases']} | {counts} | {means} |"
+
+
+def _rows(cases: Sequence[Json]) -> Iterator[str]:
+    yield "| case | hidden | group | test | minutes | parts by [std] | promised | by | named afterwards | outcome |"
+    yield "|---|---|---|---|---|---|---|---|---|---|"
+    for case in cases:
+        hidden = " and ".join(_effect(effect) for effect in case["hidden"])
+        groups = "; ".join(", ".join(_effect(effect) for effect in g) for g in case["before"]["indistinguishable"])
+        test = case.get("proposal")
+        promise = " | | | "
+        if test is not None:
+            parts = sigmas(test["separation"])
+            promise = f"{test['do']} | {test['minutes']:.2g} | {parts} | {test['expected_probability']:.3f} "
+        after = " and ".join(_effect(effect) for effect in case["after"]["effects"]) if "after" in case else ""
+        by = case.get("simulator", "")
+        yield f"| `{case['case']}` | {hidden} | {groups} | {promise}| {by} | {after} | {case['outcome']} |"
+
+
+def _failed(failed: Sequence[Json]) -> Iterator[str]:
+    for row in failed:
+        yield ""
+        yield f"`{row['case']}` failed: {row['failure']}."
+
+
+def _effect(effect: Json) -> str:
+    at = next((effect[key] for key in ("sleeve", "position", "sensor") if effect.get(key) is not None), None)
+    return str(effect["kind"]) + ("" if at is None else f" at {at:.3g} m" if isinstance(at, float) else f" at {at}")

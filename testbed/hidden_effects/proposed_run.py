@@ -1,0 +1,77 @@
+"""The proposed tests over files: one file a case, kept when it is done, and a page of all that are there."""
+
+import json
+import shlex
+from collections.abc import Sequence
+from pathlib import Path
+
+from identification.progress import Progress
+from models.errors import InputError
+from testbed.hidden_effects.crew import RunCase, Workers
+from testbed.hidden_effects.plan import Task
+from testbed.hidden_effects.proposed import run_proposed
+from testbed.hidden_effects.proposed_page import proposed_page, proposed_summary
+from testbed.hidden_effects.run import CASES, PAGE, SUMMARY, path_of, run_missing
+from testbed.outputs import Json, json_text, staged
+
+
+def with_a_group(results: Path) -> tuple[Task, ...]:
+    """The cases in which the diagnosis stated a group, in order of their names.
+
+    Args:
+        results: folder that ``testbed benchmark hidden-effects`` wrote.
+
+    Raises:
+        InputError: a folder without cases, or none of them with a group.
+    """
+    files = sorted((results / CASES).glob("*.json"))
+    cases = [case for file in files if "diagnosis" in (case := json.loads(file.read_text(encoding="utf-8")))]
+    grouped = [case for case in cases if case["judged"]["verdict"] == "missing_effect"]
+    grouped = [case for case in grouped if case["diagnosis"]["indistinguishable"]]
+    if not grouped:
+        raise InputError(
+            f"{results}: {len(cases)} finished cases, none with a stated group",
+            "a folder of testbed benchmark hidden-effects, with cases in which effects cannot be told apart",
+            "name the folder that holds cases/ and summary.json, or run that benchmark first",
+        )
+    return tuple(Task(case["set"], case["seed"], case["kind"], case["number"]) for case in grouped)
+
+
+def run_next_experiments(
+    tasks: Sequence[Task],
+    out: Path,
+    workers: Workers,
+    *,
+    threads: int,
+    command: Sequence[str],
+    progress: Progress,
+    run: RunCase = run_proposed,
+) -> Json:
+    """Carry out the proposed tests of cases that are not there yet, then write what came of all that are asked for.
+
+    Args:
+        tasks: cases in which a group was stated.
+        out: folder of the results.
+        workers: who runs them.
+        threads: of each diagnosis.
+        command: as typed, for the page.
+        progress: told of each case.
+        run: what a case is run by; tests give a quick one.
+
+    Returns:
+        the content of ``summary.json``.
+
+    Raises:
+        InputError: a folder that cannot be written.
+    """
+    run_missing(tasks, out, workers, run, threads=threads, progress=progress, line=_line)
+    cases = [json.loads(path_of(out, task).read_text(encoding="utf-8")) for task in tasks]
+    summary = proposed_summary(cases)
+    with staged(out) as stage:
+        (stage / SUMMARY).write_text(json_text(summary), encoding="utf-8")
+        (stage / PAGE).write_text(proposed_page(summary, shlex.join(command)), encoding="utf-8")
+    return summary
+
+
+def _line(case: Json) -> str:
+    return f"{case['case']}: {case.get('failure', case.get('outcome'))}"
