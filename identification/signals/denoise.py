@@ -187,7 +187,7 @@ def _decomposition() -> Any:
         raise InputError(
             "an ensemble of empirical mode decompositions was asked for",
             "it needs the package EMD-signal",
-            "pip install 'clearance-testbed[eemd]', or use the wavelet thresholds alone",
+            "run make once, which installs it, or use the wavelet thresholds alone",
         ) from None
     return EMD(FIXE=SIFTS)
 

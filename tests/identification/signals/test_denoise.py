@@ -150,7 +150,7 @@ def test_a_channel_at_rest_stays_at_rest(denoise):
 
 def test_a_missing_package_is_told_with_the_extra_that_brings_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "PyEMD", None)
-    with pytest.raises(InputError, match=r"needs the package EMD-signal; pip install 'clearance-testbed\[eemd\]'"):
+    with pytest.raises(InputError, match=r"needs the package EMD-signal; run make once, which installs it, or"):
         ensemble(NOISE)
 
 
