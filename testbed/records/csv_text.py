@@ -8,11 +8,10 @@ import numpy as np
 
 from models.arrays import FloatArray
 from models.errors import InputError
-from testbed.records.recording import RawChannel, Recording, Tag
+from testbed.records.recording import RawChannel, Recording, Tag, headed
 
 HOLDS = 'a header of "name [unit]" and one row of numbers for each sample'
 
-_HEADING = re.compile(r"\s*(.*?)\s*(?:\[([^\[\]]*)\])?\s*")
 _SETTING = re.compile(r"#\s*(fs|excitation_position)\s*[=:]\s*(\S+).*")
 _TIME_NAMES = ("time", "t")
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
@@ -32,7 +31,7 @@ def read(path: Path) -> Recording:
     lines = [line for line in lines if not _SETTING.fullmatch(line.strip())]
     header, rows = _split(lines, path.name)
     separator = max(";\t,", key=header.count)
-    tags = [_tag(cell) for cell in next(csv.reader([header], delimiter=separator))]
+    tags = [headed(cell) for cell in next(csv.reader([header], delimiter=separator))]
     values = _numbers(rows, separator, tags, path.name)
     time_at = next((i for i, tag in enumerate(tags) if (tag.name or "").lower() in _TIME_NAMES), None)
     return Recording(
@@ -90,12 +89,6 @@ def _split(lines: list[str], file: str) -> tuple[str, list[str]]:
             f"{file}: {what}", f"a .csv record has {HOLDS}", "write time [s],P1 [m/s^2],... above the numbers"
         )
     return header, rows
-
-
-def _tag(cell: str) -> Tag:
-    match = _HEADING.fullmatch(cell)
-    name, unit = (match[1], match[2]) if match else (cell.strip(), None)
-    return Tag(name=name or None, unit=unit.strip() or None if unit else None)
 
 
 def _numbers(rows: list[str], separator: str, tags: list[Tag], file: str) -> FloatArray:

@@ -32,6 +32,20 @@ class Tag:
         return " at ".join(part for part in (self.name, node) if part) or "without name"
 
 
+_HEADING = re.compile(r"\s*(.*?)\s*(?:\[([^\[\]]*)\])?\s*")
+
+
+def headed(text: str) -> Tag:
+    """A channel by a heading ``name [unit]``, either of which may be missing.
+
+    Args:
+        text: as the file has it.
+    """
+    match = _HEADING.fullmatch(text)
+    name, unit = (match[1], match[2]) if match else (text.strip(), None)
+    return Tag(name=name or None, unit=unit.strip() or None if unit else None)
+
+
 @dataclass(frozen=True, eq=False)
 class RawChannel:
     """One channel: its tag and (N,) samples as the file holds them, without the sign."""

@@ -1,16 +1,18 @@
 """Named arrays to a recording: what MATLAB, HDF5 and NPZ files have in common.
 
 ``fs`` (Hz) or ``time`` (or ``t``) gives the time base, ``excitation_position`` (m) a roving hammer's place, every other
-array is a channel by its name. Formats without attributes carry units as texts ``name=unit`` under ``units``.
+array is a channel by its name. Formats without attributes carry units as texts ``name=unit`` under ``units``; a name
+may be a heading ``name [unit]`` as well, as tables are saved.
 """
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from models.arrays import AnyArray
 from models.errors import InputError
-from testbed.records.recording import RawChannel, Recording, Tag, identifier
+from testbed.records.recording import RawChannel, Recording, Tag, headed, identifier
 
 TIME_NAMES = ("time", "t")
 RESERVED = ("fs", *TIME_NAMES, "units", "excitation_position")
@@ -27,7 +29,8 @@ def recording_of(file: str, variables: Mapping[str, AnyArray], units: Mapping[st
     Raises:
         InputError: ``fs`` or ``excitation_position`` is not one number, time is not a vector of numbers.
     """
-    reserved = {name.lower(): name for name in variables if name.lower() in RESERVED}
+    tags = {key: _tag(key, units) for key in variables}
+    reserved = {name: key for key, tag in tags.items() if (name := str(tag.name).lower()) in RESERVED}
     channels, remarks = [], []
     for name, values in variables.items():
         if name in reserved.values():
@@ -35,17 +38,23 @@ def recording_of(file: str, variables: Mapping[str, AnyArray], units: Mapping[st
         if values.dtype.kind not in "biufc":
             remarks.append(f"{file}: variable {name} holds no numbers and was passed over")
             continue
-        channels.append(RawChannel(Tag(name=name, unit=units.get(name, "").strip() or None), np.squeeze(values)))
+        channels.append(RawChannel(tags[name], np.squeeze(values)))
     time_name = next((reserved[name] for name in TIME_NAMES if name in reserved), None)
     return Recording(
         file,
         tuple(channels),
         fs=_scalar(file, variables, reserved.get("fs"), "in Hz"),
         time=None if time_name is None else _time(file, time_name, variables[time_name]),
-        time_unit=units.get(time_name, "").strip() or None if time_name is not None else None,
+        time_unit=None if time_name is None else tags[time_name].unit,
         excitation_position=_scalar(file, variables, reserved.get("excitation_position"), "in m from the clamp"),
         remarks=tuple(remarks),
     )
+
+
+def _tag(key: str, units: Mapping[str, str]) -> Tag:
+    tag = headed(key)
+    told = units.get(key, units.get(tag.name or "", "")).strip()
+    return replace(tag, unit=told or tag.unit)
 
 
 def parse_units(entries: Iterable[str]) -> dict[str, str]:

@@ -301,3 +301,26 @@ def test_a_sensor_called_like_the_time_base_cannot_be_written(tmp_path, suffix):
 
 def test_whatever_is_read_as_a_record_is_not_taken_for_a_rig():
     assert set(FORMATS) == RECORDS
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".h5"])
+def test_names_may_be_headings_with_units(tmp_path, suffix):
+    record = a_record(n := 512, 2048.0, responses=noise(1, n, 2), sensors=("P1", "P2"))
+    columns = {
+        "time [s]": np.arange(n) / 2048.0,
+        "shaker [kN]": record.excitation / 1e3,
+        "P1 [mm/s^2]": record.responses[0] * 1e3,
+        "P2 [m/s^2]": record.responses[1],
+    }
+    path = tmp_path / f"table{suffix}"
+    if suffix == ".npz":
+        np.savez(path, **columns)
+    else:
+        with h5py.File(path, "w") as file:
+            for name, values in columns.items():
+                # A slash would be a group.
+                file[name.replace("/s^2", " s^-2")] = values
+    back = read_record(path, a_rig(sensors=sensors()[:2]))
+    assert back.fs == pytest.approx(2048.0, rel=RATE_ROUNDING)
+    np.testing.assert_allclose(back.responses, record.responses, rtol=1e-12)
+    np.testing.assert_allclose(back.excitation, record.excitation, rtol=1e-12)
