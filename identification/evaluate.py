@@ -18,7 +18,7 @@ from identification.hypothesis import Hypothesis
 from identification.noise import Noise
 from identification.rest_target import FrfTarget, ModesTarget
 from models.arrays import ComplexArray, FloatArray
-from models.band_limit import PAD, SCORE_EDGE, record_channels
+from models.band_limit import PAD, PASS_EDGE, SCORE_EDGE, record_channels
 from models.errors import DivergenceError
 from models.record import AnyRecord, Record
 from models.simulate import Response, Settings
@@ -214,17 +214,25 @@ the force between samples see them."""
 def unjudged_of(record: Record, noise: Noise) -> int:
     """Samples at the start of a record that begins in motion for which the recorder heard too much of what was before.
 
-    What came before is as large as the beginning; the tail of the recorder's answer to it has to be below the noise.
+    The model continues a record by its odd reflection, which bends the other way. What the recorder makes of that bend
+    beyond its pass band has to be well below the noise of every channel.
 
     Args:
         record: measured.
         noise: of its channels.
     """
     longest = min(PAD, record.n_samples // 4)
-    size = np.abs(record.responses[:, :longest]).max(axis=1)
+    bend = np.abs(np.diff(record.responses[:, : longest + 2], 2)).max(axis=1) / BEND_AT_EDGE
     quiet = np.maximum(noise.sensors, LEAST_NOISE * record.responses.std(axis=1))
-    heard = TAIL[:longest] * float(np.max(size / np.maximum(quiet, np.finfo(float).tiny)))
-    return max(AHEAD, int(np.count_nonzero(heard > 1.0)))
+    heard = TAIL[:longest] * float(np.max(2.0 * bend / np.maximum(quiet, np.finfo(float).tiny)))
+    return int(np.count_nonzero(heard > HEARD))
+
+
+HEARD = 0.3
+"""Of the noise, that what was before may do to a sample that is judged."""
+
+BEND_AT_EDGE = (2.0 * np.pi * PASS_EDGE) ** 2
+"""Second difference of a motion of size one at the edge of the pass band."""
 
 
 def _tail() -> FloatArray:

@@ -200,10 +200,12 @@ def test_a_part_has_the_noise_of_its_own_time():
 def test_the_quieter_the_sensors_the_longer_the_recorder_hears_what_was_before():
     record, noise = let_go(REFERENCE, 20.0)
     unjudged = [
-        TimeTarget.of(record, replace(noise, sensors=share * noise.sensors)).unjudged for share in (1e3, 1.0, 1e-2)
+        TimeTarget.of(record, replace(noise, sensors=share * noise.sensors)).unjudged for share in (1e4, 1.0, 1e-2)
     ]
 
-    assert unjudged[0] == AHEAD < unjudged[1] < unjudged[2] <= PAD
+    assert 0 == unjudged[0] < unjudged[1] < unjudged[2] <= PAD
+    slow = replace(record, responses=np.sin(0.02 * np.arange(record.n_samples)) * np.ones((len(record.sensors), 1)))
+    assert TimeTarget.of(slow, replace(noise, sensors=np.full(len(record.sensors), 1e-3))).unjudged < 4
     assert TimeTarget.of(replace(record, moving_start=False), noise).unjudged == 0
 
 
