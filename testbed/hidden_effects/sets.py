@@ -203,7 +203,14 @@ REPORTED = CaseSet(
             run="Ended by hand when three of its misses were `unexplained`, as none of the batch before was, and "
             "before any was looked into; the two cases then at work were run to their ends by the same diagnosis.",
         ),
-        19387: Batch("1aaac45"),
+        19387: Batch(
+            "1aaac45",
+            88,
+            "nothing yet: two abstentions without the true kind among the best suspects, friction outside the library "
+            "that is taken for the library's, damage beside the clamp that stands for the clamp",
+            run="The clock ended it; the two cases then at work are left out.",
+        ),
+        20731: Batch("737bb4b"),
     },
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),
