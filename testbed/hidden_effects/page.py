@@ -236,10 +236,10 @@ def _misses(misses: list[Json], explained: Mapping[str, str]) -> Iterator[str]:
 
 
 def _in_words(miss: Json) -> str:
-    hidden = " and ".join(_effect(effect) for effect in miss["hidden"] or ()) or "nothing"
+    hidden = " and ".join(effect_in_words(effect) for effect in miss["hidden"] or ()) or "nothing"
     if "failure" in miss:
         return f"{hidden}; failed with {miss['failure']}."
-    found = " and ".join(_effect(effect) for effect in miss["found"])
+    found = " and ".join(effect_in_words(effect) for effect in miss["found"])
     chaotic = ", chaotic" if miss["chaotic"] else ""
     named = f"`{miss['verdict']}`" + (f", {found}" if found else "")
     group = ", in a stated group" if miss["in_group"] else ""
@@ -247,7 +247,13 @@ def _in_words(miss: Json) -> str:
     return f"{hidden} ({size}): {named}{group}; {miss['after']:.3g} times the noise held out."
 
 
-def _effect(effect: Json) -> str:
+def effect_in_words(effect: Json, unit: str = "") -> str:
+    """Kind and place of an effect.
+
+    Args:
+        effect: as ``diagnosis.json`` and the files of the cases hold it.
+        unit: written after a position.
+    """
     at = next((effect[key] for key in ("sleeve", "position", "sensor") if effect.get(key) is not None), None)
-    place = "" if at is None else f" at {at:.4g}" if isinstance(at, float) else f" at {at}"
+    place = "" if at is None else f" at {at:.4g}{unit}" if isinstance(at, float) else f" at {at}"
     return f"{effect['kind']}{place}" + (f" and {effect['other']}" if effect.get("other") else "")

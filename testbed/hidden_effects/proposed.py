@@ -22,7 +22,7 @@ from testbed.hidden_effects.plan import Task
 from testbed.hidden_effects.truth import Truth
 from testbed.loop import diagnosis_json
 from testbed.outputs import Json
-from testbed.proposal import EXPERIMENT, write_experiment
+from testbed.proposal import EXPERIMENT, proposal_json, write_experiment
 from testbed.virtual.campaign import runs_of
 from testbed.virtual.experiment import read_experiment
 from testbed.virtual.laboratory import carry_out, laboratory_of
@@ -71,8 +71,7 @@ def proposed(case: Case, threads: int) -> Json:
         return content | {"outcome": "no group"}
     if proposal.test is None or proposal.best is None:
         return content | {"outcome": "no test"}
-    whole = diagnosis_json(before)["next_experiment"]
-    content["proposal"] = {key: value for key, value in whole.items() if key != "options"}
+    content["proposal"] = {key: value for key, value in proposal_json(proposal).items() if key != "options"}
     engine = carrier(case.truth)
     if engine is None:
         return content | {"outcome": "no simulator"}

@@ -7,6 +7,7 @@ from typing import get_args
 import numpy as np
 
 from identification.next_experiment.words import PARTED, sigmas
+from testbed.hidden_effects.page import effect_in_words
 from testbed.hidden_effects.proposed import Outcome
 from testbed.outputs import Json
 
@@ -84,24 +85,23 @@ def _rows(cases: Sequence[Json]) -> Iterator[str]:
     yield "| case | hidden | group | test | minutes | parts by [std] | promised | by | named afterwards | outcome |"
     yield "|---|---|---|---|---|---|---|---|---|---|"
     for case in cases:
-        hidden = " and ".join(_effect(effect) for effect in case["hidden"])
-        groups = "; ".join(", ".join(_effect(effect) for effect in g) for g in case["before"]["indistinguishable"])
+        hidden = _joined(case["hidden"], " and ")
+        groups = "; ".join(_joined(group, ", ") for group in case["before"]["indistinguishable"])
         test = case.get("proposal")
         promise = " | | | "
         if test is not None:
             parts = sigmas(test["separation"])
             promise = f"{test['do']} | {test['minutes']:.2g} | {parts} | {test['expected_probability']:.3f} "
-        after = " and ".join(_effect(effect) for effect in case["after"]["effects"]) if "after" in case else ""
+        after = _joined(case["after"]["effects"], " and ") if "after" in case else ""
         by = case.get("simulator", "")
         yield f"| `{case['case']}` | {hidden} | {groups} | {promise}| {by} | {after} | {case['outcome']} |"
+
+
+def _joined(effects: Sequence[Json], by: str) -> str:
+    return by.join(effect_in_words(effect, " m") for effect in effects)
 
 
 def _failed(failed: Sequence[Json]) -> Iterator[str]:
     for row in failed:
         yield ""
         yield f"`{row['case']}` failed: {row['failure']}."
-
-
-def _effect(effect: Json) -> str:
-    at = next((effect[key] for key in ("sleeve", "position", "sensor") if effect.get(key) is not None), None)
-    return str(effect["kind"]) + ("" if at is None else f" at {at:.3g} m" if isinstance(at, float) else f" at {at}")

@@ -88,7 +88,7 @@ def test_the_cases_own_simulator_comes_first_and_what_none_carries_is_said():
 
 
 @pytest.mark.slow
-def test_where_no_group_is_stated_nothing_is_came_of():
+def test_where_no_group_is_stated_nothing_is_tested():
     content = proposed(small_case(Task("reported", 1, "nothing", 3)), 1)
     assert content["outcome"] == "no group"
     assert content["before"]["verdict"] == "complete"
