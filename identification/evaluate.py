@@ -18,7 +18,7 @@ from identification.hypothesis import Hypothesis
 from identification.noise import Noise
 from identification.rest_target import FrfTarget, ModesTarget
 from models.arrays import ComplexArray, FloatArray
-from models.band_limit import SCORE_EDGE
+from models.band_limit import PAD, PASS_EDGE, SCORE_EDGE, record_channels
 from models.errors import DivergenceError
 from models.record import AnyRecord, Record
 from models.simulate import Response, Settings
@@ -66,8 +66,8 @@ class TimeTarget:
         whole: duration of the test of which this may be a beginning, s.
         carried: (n_realisations, n, N) what noise of the excitation did to the channels; a part of a record has its own
             density, since noise may grow through a record. Empty where none was carried.
-        unjudged: samples at the start of a later part of a record, of which the recorder saw what came before and the
-            model does not.
+        unjudged: samples at the start of a record, or of a later part of one, that was in motion before: the recorder
+            saw that and the model does not.
     """
 
     record: Record
@@ -82,7 +82,9 @@ class TimeTarget:
     @classmethod
     def of(cls, record: Record, noise: Noise) -> "TimeTarget":
         """With the sensors' noise alone."""
-        bare = cls(record, noise, scored_spectrum(record.responses), np.empty(0), record, record.duration)
+        unjudged = unjudged_of(record, noise) if record.moving_start else 0
+        measured = _judged_spectrum(record.responses, unjudged)
+        bare = cls(record, noise, measured, np.empty(0), record, record.duration, unjudged=unjudged)
         return bare.with_noise(noise)
 
     def with_noise(self, noise: Noise) -> "TimeTarget":
@@ -96,13 +98,18 @@ class TimeTarget:
         base = self.with_noise(self.noise)
         return replace(base, density=base.density + _density_of(carried), carried=carried)
 
-    def cut(self, n_samples: int) -> "TimeTarget":
-        """The first samples only, and never the last ``AHEAD`` of a test."""
+    def cut(self, n_samples: int, unjudged: int | None = None) -> "TimeTarget":
+        """The first samples only, and never the last ``AHEAD`` of a test.
+
+        Args:
+            n_samples: that are kept.
+            unjudged: of them, if not as many as of the whole.
+        """
         n = min(n_samples, self.driven.n_samples - AHEAD)
         if n >= self.record.n_samples or n < AHEAD:
             return self
         part = samples_of(self.record, 0, n), samples_of(self.driven, 0, n + AHEAD), self.carried[:, :, :n]
-        return self._part(*part, self.unjudged)
+        return self._part(*part, self.unjudged if unjudged is None else unjudged)
 
     def later(self, first: int, name: str) -> "TimeTarget":
         """The record from a sample on, under another name, since it starts from another state.
@@ -200,7 +207,43 @@ class TimeTarget:
 
 
 AHEAD = 16
-"""Samples that must follow one for it to be judged: the recorder's filter and the force between samples see them."""
+"""Samples that must follow one, and come before it where the rig moves, for it to be judged: the recorder's filter and
+the force between samples see them."""
+
+
+def unjudged_of(record: Record, noise: Noise) -> int:
+    """Samples at the start of a record that begins in motion for which the recorder heard too much of what was before.
+
+    The model continues a record by its odd reflection, which bends the other way. What the recorder makes of that bend
+    beyond its pass band has to be well below the noise of every channel.
+
+    Args:
+        record: measured.
+        noise: of its channels.
+    """
+    longest = min(PAD, record.n_samples // 4)
+    bend = np.abs(np.diff(record.responses[:, : longest + 2], 2)).max(axis=1) / BEND_AT_EDGE
+    quiet = np.maximum(noise.sensors, LEAST_NOISE * record.responses.std(axis=1))
+    heard = TAIL[:longest] * float(np.max(2.0 * bend / np.maximum(quiet, np.finfo(float).tiny)))
+    return int(np.count_nonzero(heard > HEARD))
+
+
+HEARD = 0.3
+"""Of the noise, that what was before may do to a sample that is judged."""
+
+BEND_AT_EDGE = (2.0 * np.pi * PASS_EDGE) ** 2
+"""Second difference of a motion of size one at the edge of the pass band."""
+
+
+def _tail() -> FloatArray:
+    """(PAD,) root of the sum of squares of the recorder's answer to an impulse, from so many samples after it on."""
+    impulse = np.zeros((1, 4 * PAD))
+    impulse[0, 2 * PAD] = 1.0
+    after = record_channels(impulse, 1, 4 * PAD, 1.0)[0, 2 * PAD :]
+    return np.asarray(np.sqrt(np.cumsum(after[::-1] ** 2)[::-1])[:PAD])
+
+
+TAIL = _tail()
 
 
 def _of_channels(record: Record, kept: Sequence[int]) -> Record:

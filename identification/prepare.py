@@ -156,8 +156,9 @@ class Horizon:
 def horizons(evaluator: Evaluator, hypothesis: Hypothesis) -> list[Horizon]:
     """Divergence of neighbouring motions in every time record, by simulating it beside two others.
 
-    One is disturbed so little that the motions part as the tangent says, two by noise as large as the force's, once
-    with the other sign: in proportion to the noise, their mean would be the motion without it.
+    One is disturbed so little, in its force and in its state at the start, that the motions part as the tangent says,
+    two by noise as large as the force's, once with the other sign: in proportion to the noise, their mean would be the
+    motion without it.
     """
     rng = np.random.default_rng(0)
     pushes = [
@@ -165,11 +166,13 @@ def horizons(evaluator: Evaluator, hypothesis: Hypothesis) -> list[Horizon]:
         for t in evaluator.timed
     ]
     runs = [evaluator.responses(hypothesis)] if evaluator.timed else []
-    disturbed = [[replace(t, driven=_disturbed(t.driven)) for t in evaluator.timed]]
+    nearby = [replace(t, driven=_disturbed(t.driven)) for t in evaluator.timed]
+    moved = {name: start * (1.0 + DISTURBANCE) for name, start in hypothesis.starts.items()}
+    disturbed = [(nearby, replace(hypothesis, starts=moved))]
     for sign in (1.0, -1.0):
         pairs = zip(evaluator.timed, pushes, strict=True)
-        disturbed.append([replace(t, driven=_pushed(t.driven, push, sign)) for t, push in pairs])
-    runs += [evaluator.with_targets(targets).responses(hypothesis) for targets in disturbed if targets]
+        disturbed.append(([replace(t, driven=_pushed(t.driven, push, sign)) for t, push in pairs], hypothesis))
+    runs += [evaluator.with_targets(targets).responses(model) for targets, model in disturbed if targets]
     return [
         _horizon(target, *(response.channels for response in responses))
         for target, *responses in zip(evaluator.timed, *runs, strict=True)

@@ -10,7 +10,7 @@ together.
 from collections.abc import Sequence
 from dataclasses import replace
 
-from identification.calibrate import Windows, beginning
+from identification.calibrate import Windows, beginning, set_in_motion
 from identification.evaluate import Evaluator
 from identification.evidence import Ranked, reweighed
 from identification.fit import Fit, fit
@@ -39,6 +39,7 @@ def explained_beginning(evaluator: Evaluator, start: Hypothesis, unknowns: Seque
         short = beginning(evaluator, *window)
         hypothesis = start if reached is None else reached.hypothesis
         try:
+            hypothesis = set_in_motion(short, hypothesis, unknowns)
             now = fit(short, hypothesis, unknowns, tolerance=1e-2, max_iterations=MOST_ITERATIONS)
         except ArithmeticError:
             break

@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
-from trial_records import FS, REFERENCE, evaluator_of, measured, moved, multisine, oscillator, sweep
+from trial_records import FS, REFERENCE, evaluator_of, let_go, measured, moved, multisine, oscillator, sweep
 
-from identification.calibrate import beginning, calibrate, strained, unknowns_of
+from identification.calibrate import beginning, calibrate, set_in_motion, strained, unknowns_of
 from identification.evaluate import AHEAD
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, OffsetUnknown, RigUnknown, StartUnknown, rig_unknowns
-from identification.prepare import MIN_SAMPLES
+from identification.prepare import MIN_SAMPLES, start_unknowns
+from models.simulate import Settings
 
 
 def test_the_unknowns_are_the_tolerances_and_the_moving_starts():
@@ -85,3 +86,26 @@ def test_a_number_pushed_to_its_end_is_named_and_no_other():
 
     assert "stiffness" in {u.parameter.path for u in strained(found)}
     assert strained(well) == []
+
+
+@pytest.mark.parametrize("force", [20.0, -60.0, 150.0])
+def test_the_state_of_a_beam_that_strikes_its_sleeves_is_found_on_the_first_samples(force):
+    evaluator = evaluator_of(let_go(REFERENCE, force), settings=Settings(steps_per_sample=4))
+    unknowns = start_unknowns(Hypothesis(REFERENCE), [target.record for target in evaluator.timed])
+
+    begun = set_in_motion(evaluator, Hypothesis(REFERENCE), unknowns)
+    found = calibrate(evaluator, Hypothesis(REFERENCE), unknowns)
+    at_once = fit(evaluator, Hypothesis(REFERENCE), unknowns)
+
+    assert set(begun.starts) == {"decay"}
+    assert found.ratio < 1.15
+    assert at_once.ratio > 5.0
+
+
+def test_a_state_that_is_there_is_kept():
+    evaluator = evaluator_of(let_go(REFERENCE, 20.0, n=1024))
+    unknowns = start_unknowns(Hypothesis(REFERENCE), [target.record for target in evaluator.timed])
+    known = set_in_motion(evaluator, Hypothesis(REFERENCE), unknowns)
+
+    assert set_in_motion(evaluator, known, unknowns) is known
+    assert set_in_motion(evaluator, Hypothesis(REFERENCE), rig_unknowns(REFERENCE)).starts == {}

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from trial_records import FS, REFERENCE, evaluator_of, measured, moved, multisine, oscillator, sweep
+from trial_records import FS, REFERENCE, evaluator_of, let_go, measured, moved, multisine, oscillator, sweep
 
 from identification.evaluate import AHEAD, Evaluator, TimeTarget, carry_noise, nrmse, scored_spectrum
 from identification.hypothesis import Hypothesis
 from identification.noise import Noise
-from models.band_limit import SCORE_EDGE
+from models.band_limit import PAD, SCORE_EDGE
 
 
 def brick_wall(channels, fs):
@@ -195,3 +195,24 @@ def test_a_part_has_the_noise_of_its_own_time():
     assert np.median(loud.density / target.density) == pytest.approx(5000.0, rel=0.1)
     assert loud.cut(3000).density.mean() < 0.75 * loud.density.mean()
     assert loud.with_noise(loud.noise).carried.size == 0
+
+
+def test_the_quieter_the_sensors_the_longer_the_recorder_hears_what_was_before():
+    record, noise = let_go(REFERENCE, 20.0)
+    unjudged = [
+        TimeTarget.of(record, replace(noise, sensors=share * noise.sensors)).unjudged for share in (1e4, 1.0, 1e-2)
+    ]
+
+    assert 0 == unjudged[0] < unjudged[1] < unjudged[2] <= PAD
+    slow = replace(record, responses=np.sin(0.02 * np.arange(record.n_samples)) * np.ones((len(record.sensors), 1)))
+    assert TimeTarget.of(slow, replace(noise, sensors=np.full(len(record.sensors), 1e-3))).unjudged < 4
+    assert TimeTarget.of(replace(record, moving_start=False), noise).unjudged == 0
+
+
+def test_what_is_not_judged_does_not_count():
+    record, noise = let_go(REFERENCE, 20.0)
+    target = TimeTarget.of(record, noise)
+    other = record.responses.copy()
+    other[:, : target.unjudged] = 1e3
+
+    np.testing.assert_array_equal(target.spectrum(other), target.measured)

@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from trial_records import FS, REFERENCE, evaluator_of, measured, oscillator, sweep
+from trial_records import FS, REFERENCE, evaluator_of, let_go, measured, oscillator, sweep
 
+from identification.calibrate import set_in_motion
 from identification.evaluate import AHEAD, Evaluator, TimeTarget, scored_spectrum, whitened
 from identification.hypothesis import Hypothesis, OffsetUnknown, StartUnknown
 from identification.noise import Noise
@@ -201,3 +202,17 @@ def test_noise_of_the_force_that_a_linear_rig_passes_on_ends_nothing():
 
     assert found.torn < 1e-6
     assert found.seconds == evaluator.timed[0].record.duration
+
+
+def test_a_free_decay_through_impacts_is_followed_as_far_as_its_state_is_not_lost():
+    evaluator = evaluator_of(let_go(REFERENCE, 150.0, n=4096))
+    unknowns = start_unknowns(Hypothesis(REFERENCE), [target.record for target in evaluator.timed])
+    known = set_in_motion(evaluator, Hypothesis(REFERENCE), unknowns)
+
+    (struck,) = horizons(evaluator, known)
+    quiet = replace(known, starts={name: 1e-4 * start for name, start in known.starts.items()})
+    (free,) = horizons(evaluator, quiet)
+
+    # Without impacts a disturbance stays in proportion; its first window is louder than the decay's mean.
+    assert 1.0 < free.growth < 4.0
+    assert struck.growth > 2.0 * free.growth

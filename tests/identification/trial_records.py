@@ -13,10 +13,13 @@ from identification.prepare import Horizon, cut_to
 from identification.session import Session
 from models.effects import EFFECTS
 from models.excitations import logarithmic_sweep, random_phase_multisine
+from models.plant import build_plant
 from models.record import Record
 from models.rig import Excitation, Oscillator, Rig, Sensor
 from models.rig_file import read_rig
 from models.simulate import Settings
+from models.simulators import simulator
+from models.simulators.protocol import Hold, Resolution, Trial
 
 REFERENCE = read_rig(Path(__file__).parents[1] / "data" / "reference_rig.toml")
 FS = 2048.0
@@ -55,6 +58,17 @@ def measured(truth, force, *, noise=NOISE, force_noise=0.0, seed=3, name="test",
     heard = clean + sensors[:, None] * rng.standard_normal(clean.shape)
     felt = force + force_noise * force.std() * rng.standard_normal(len(force))
     return replace(silent, excitation=felt, responses=heard), Noise(sensors, force_noise * float(force.std()), "", "")
+
+
+def let_go(rig, force, *, n=4096, before=60, noise=1e-3, seed=4, name="decay"):
+    """A free decay whose recorder was started a little after the beam's end had been let go; and the noise."""
+    hold = Hold(rig.structure.length, force)
+    trial = Trial(FS, np.zeros(n + before), hold=hold)
+    clean = simulator("modal").run(build_plant(rig), trial, Resolution(steps_per_sample=4)).channels[:, before:]
+    sensors = noise * clean.std(axis=1)
+    heard = clean + sensors[:, None] * np.random.default_rng(seed).standard_normal(clean.shape)
+    names = tuple(sensor.name for sensor in rig.sensors)
+    return Record(name, FS, None, names, heard, moving_start=True), Noise(sensors, 0.0, "", "")
 
 
 def evaluator_of(*pairs, jobs=1, settings=Settings()):  # noqa: B008
