@@ -82,8 +82,20 @@ def beside(view: View, base: Fit, progress: Progress) -> list[Sketch]:
     found = survey(short, bare, registry, progress, channels=view.channels, lines=view.lines)
     seen = promising(found, PER_KIND, valley(start.rig))
     progress(f"sketching {len(seen)} suspects on the beginning of the records, the best of them on {evaluator.extent}")
-    schedule = ((share, seconds, MOST_LONG_SKETCHES), (1.0, 0.0, MOST_LONG_SKETCHES))
+    schedule = [(*window, MOST_LONG_SKETCHES) for window in _ever_longer(evaluator, share, seconds)]
     return heats(evaluator, start, base, [suspect.effect for suspect in seen], registry, schedule, near=True)
+
+
+def _ever_longer(evaluator: Evaluator, share: float, seconds: float) -> Windows:
+    """Beginnings of the records, each with some twice the samples of the one before, the last with all of them.
+
+    A suspect that explains one second of records to the noise was found to be lost where five followed at once.
+    """
+    windows = [(share, seconds)]
+    while 2 * beginning(evaluator, *windows[-1]).n_data < evaluator.n_data:
+        share, seconds = 2.0 * share, 2.0 * seconds
+        windows.append((share, seconds))
+    return (*windows, (1.0, 0.0))
 
 
 def afar(view: View, base: Fit, progress: Progress) -> list[Sketch]:

@@ -29,8 +29,9 @@ HEATS: tuple[Heat, ...] = ((0.02, 0.4, 14), (0.1, 0.75, 10))
 ITERATIONS_ALONE, ITERATIONS, TOLERANCE = 3, 5, 2e-2
 """Of the suspect by itself, while the rig's numbers are held, and then of all: else these are pulled away first."""
 
-ITERATIONS_TOGETHER, ITERATIONS_LASTING = 8, 20
-"""Of all at once, from numbers that are near; of the few kinds that act over the length of a record, more."""
+ITERATIONS_TOGETHER, ITERATIONS_CLOSELY, ITERATIONS_LASTING = 8, 15, 20
+"""Of all at once, from numbers that are near; where one has explained the beginning, and of the few kinds that act over
+the length of a record, more."""
 
 MOST_RIVALS = 8
 """Rivals fitted in a heat."""
@@ -93,7 +94,7 @@ def heats(
         window = beginning(evaluator, share, seconds)
         ground = ground_of(window, start, base)
         met = bool(sketches) and sketches[0].fit.ratio < REACHED
-        sketches = apart(sketched(ground, starts, near=near))
+        sketches = apart(sketched(ground, starts, near=near, closely=met))
         # Beside numbers that are nearly right the shortest part tells who is worth a sketch on more.
         others = [] if met else rivals(first, base, sketches, registry)[:MOST_RIVALS]
         sketches = apart(by_share([*sketches, *sketched(ground, others, near=near)]))[:most]
@@ -217,20 +218,25 @@ def ground_of(evaluator: Evaluator, start: Hypothesis, base: Fit) -> Ground:
     return Ground(evaluator, slopes, bare)
 
 
-def sketched(ground: Ground, suspects: Sequence[Hypothesis], *, near: bool = False) -> list[Sketch]:
+def sketched(
+    ground: Ground, suspects: Sequence[Hypothesis], *, near: bool = False, closely: bool = False
+) -> list[Sketch]:
     """Each suspect fitted with all unknowns, from afar first by itself; best first.
 
     Args:
         ground: records to fit.
         suspects: the model with one effect more each.
         near: all unknowns at once from the first.
+        closely: with their own slopes and more iterations, so that what explained the beginning is not lost farther on.
     """
     evaluator = ground.evaluator.with_jobs(1)
 
     def one(suspect: Hypothesis) -> Sketch | None:
         own = own_unknowns(suspect)
         unknowns = (*ground.bare.unknowns, *own)
-        if near:
+        if closely:
+            found = _tried(evaluator, suspect, unknowns, ITERATIONS_CLOSELY)
+        elif near:
             found = _tried(evaluator, suspect, unknowns, ITERATIONS_TOGETHER, ground.slopes)
         else:
             alone = _tried(evaluator, suspect, own, ITERATIONS_ALONE)

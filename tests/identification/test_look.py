@@ -1,12 +1,14 @@
 """Looking for suspects: from numbers that nothing has pulled, where the beginning of the records tells enough."""
 
+from itertools import pairwise
+
 import pytest
 from trial_records import REFERENCE, evaluator_of, measured, moved, multisine
 
 from identification.calibrate import beginning, calibrate, put_back, unknowns_of
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, rig_unknowns, with_own_number
-from identification.look import TELLING, TELLING_WINDOWS, View, _telling, beside, first_of_each_kind
+from identification.look import TELLING, TELLING_WINDOWS, View, _ever_longer, _telling, beside, first_of_each_kind
 from identification.screen import Projection, Suspect
 from models.effects import EFFECTS, Place
 from models.effects.base_motion import BaseMotion
@@ -54,6 +56,17 @@ def test_the_shortest_beginning_that_shows_more_than_noise_is_surveyed():
     for shorter in TELLING_WINDOWS[: TELLING_WINDOWS.index(windows[1][0])]:
         bare = fit(beginning(evaluator, *shorter), truth, rig_unknowns(REFERENCE), max_iterations=0)
         assert Projection(bare).misfit < TELLING**2 * bare.n_data
+
+
+def test_the_records_are_lengthened_twofold_at_most():
+    evaluator = evaluator_of(measured(Hypothesis(REFERENCE), multisine(8192, rms=10.0)))
+
+    windows = _ever_longer(evaluator, *TELLING_WINDOWS[0])
+
+    counts = [beginning(evaluator, *window).n_data for window in windows]
+    assert windows[0] == TELLING_WINDOWS[0]
+    assert windows[-1] == (1.0, 0.0)
+    assert all(short < long <= 2.2 * short for short, long in pairwise(counts))
 
 
 def test_a_shaking_floor_is_begun_at_the_line_that_the_whole_records_show():
