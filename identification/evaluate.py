@@ -215,7 +215,7 @@ def unjudged_of(record: Record, noise: Noise) -> int:
     """Samples at the start of a record that begins in motion for which the recorder heard too much of what was before.
 
     The model continues a record by its odd reflection, which bends the other way. What the recorder makes of that bend
-    beyond its pass band has to be well below the noise of every channel.
+    beyond its pass band may add no more than a little to the chi-square of any channel.
 
     Args:
         record: measured.
@@ -225,11 +225,12 @@ def unjudged_of(record: Record, noise: Noise) -> int:
     bend = np.abs(np.diff(record.responses[:, : longest + 2], 2)).max(axis=1) / BEND_AT_EDGE
     quiet = np.maximum(noise.sensors, LEAST_NOISE * record.responses.std(axis=1))
     heard = TAIL[:longest] * float(np.max(2.0 * bend / np.maximum(quiet, np.finfo(float).tiny)))
-    return int(np.count_nonzero(heard > HEARD))
+    added = np.cumsum(heard[::-1] ** 2)[::-1]
+    return int(np.count_nonzero(added > HEARD * record.n_samples))
 
 
-HEARD = 0.3
-"""Of the noise, that what was before may do to a sample that is judged."""
+HEARD = 0.03
+"""Share of a channel's chi-square that what was before may add, where all is right."""
 
 BEND_AT_EDGE = (2.0 * np.pi * PASS_EDGE) ** 2
 """Second difference of a motion of size one at the edge of the pass band."""
@@ -272,11 +273,21 @@ def scored_spectrum(channels: FloatArray) -> ComplexArray:
 
 
 def _judged_spectrum(channels: FloatArray, unjudged: int) -> ComplexArray:
-    """The same without the samples at the start that are not judged."""
+    """The same without the samples at the start that are not judged; what follows counts ever more.
+
+    A misfit that begins with a jump is spread over all lines, and counts most where the noise is least: the friction
+    of a frame came out 0.03 N apart with and without one of 1250 samples.
+    """
     if unjudged:
+        rise = min(RISE, (channels.shape[1] - unjudged) // 4)
         channels = channels.copy()
         channels[:, :unjudged] = 0.0
+        channels[:, unjudged : unjudged + rise] *= np.sin(0.5 * np.pi * (np.arange(rise) + 0.5) / rise) ** 2
     return scored_spectrum(channels)
+
+
+RISE = 32
+"""Samples over which they come to count in full, at most."""
 
 
 def nrmse(residual: ComplexArray, measured: ComplexArray) -> float:

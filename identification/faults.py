@@ -12,6 +12,7 @@ from itertools import combinations
 
 import numpy as np
 
+from identification.at_rest import linear_model
 from identification.calibrate import beginning, concerning
 from identification.evaluate import Evaluator, TimeTarget, in_parallel, unwhitened, whitened
 from identification.fit import Fit, fit
@@ -19,8 +20,10 @@ from identification.hypothesis import Hypothesis
 from identification.lines import lines_left
 from identification.scene import each_sensor
 from identification.screen import Projection
-from models.arrays import BoolArray
+from models.arrays import BoolArray, FloatArray
+from models.band_limit import SCORE_EDGE
 from models.effects import Place, Registry
+from models.linear import natural_modes
 from models.rig import Rig
 
 PLAINLY = 0.3
@@ -207,8 +210,14 @@ def _starts(base: Fit) -> Iterator[Hypothesis]:
 
 
 def _in_lines(evaluator: Evaluator, base: Fit) -> Suspicion:
-    """Whether all that the model leaves stands in lines that it does not explain."""
-    frequencies = lines_left(evaluator, base.hypothesis).free
+    """Whether all that the model leaves stands in lines that it does not explain, and at no resonance of its own.
+
+    A lightly damped resonance that is a little off leaves lines as narrow as a hum does.
+    """
+    resonances = _resonances(evaluator, base.hypothesis)
+    frequencies = tuple(
+        line for line in lines_left(evaluator, base.hypothesis).free if np.all(abs(resonances / line - 1.0) > RESONANT)
+    )
     if not frequencies:
         return NO_SUSPICION
     residual = base.residual
@@ -222,6 +231,18 @@ def _in_lines(evaluator: Evaluator, base: Fit) -> Suspicion:
         f"what is left stands in single lines at {seen} Hz: without them {max(left / excess, 0.0):.0%} of it remains"
     )
     return Suspicion(in_lines=True, words=words)
+
+
+def _resonances(evaluator: Evaluator, hypothesis: Hypothesis) -> FloatArray:
+    """Natural frequencies, Hz, with the sleeves as they are at rest and with all of them open."""
+    band = SCORE_EDGE * max(target.record.fs for target in evaluator.timed)
+    linear = linear_model(hypothesis, band)
+    held = natural_modes(linear, (), band).natural_freqs
+    return np.concatenate([held, linear.model.omega[linear.model.omega > 0.0] / (2.0 * np.pi)])
+
+
+RESONANT = 0.02
+"""Distance of a line from a resonance, as a share of its frequency, within which it belongs to that."""
 
 
 def _outside(target: TimeTarget, frequencies: tuple[float, ...]) -> BoolArray:

@@ -180,6 +180,8 @@ LEAST_REFITS = 3
 def restarted(evaluator: Evaluator, base: Fit, found: Fit) -> Fit:
     """The best of the fit and of fits with its last effect that start from the rig file's numbers again.
 
+    States at the start of records are sought anew as well: without the effect others fit best.
+
     Args:
         evaluator: records to fit.
         base: the model without the effect.
@@ -194,7 +196,7 @@ def restarted(evaluator: Evaluator, base: Fit, found: Fit) -> Fit:
         start = tried_with(window, replace(base.hypothesis, values=values), effect)
         try:
             first = fit(window, start, alone, tolerance=1e-2)
-            again = calibrate(evaluator, first.hypothesis, unknowns)
+            again = calibrate(evaluator, replace(first.hypothesis, starts={}), unknowns)
         except ArithmeticError:
             continue
         best = min(best, again, key=lambda f: f.cost)

@@ -16,7 +16,7 @@ from identification.lines import Lines, lines_left
 from identification.progress import Progress
 from identification.scene import valley
 from identification.screen import Projection, Suspect, promising, screen, survey
-from identification.sketch import HEATS, Sketch, afresh, heats, sketched_from_calibrated
+from identification.sketch import HEATS, Sketch, afresh, ground_of, heats, sketched_from_calibrated
 from models.effects import Place, Registry
 
 PER_KIND = 2
@@ -119,14 +119,17 @@ def afar(view: View, base: Fit, progress: Progress) -> list[Sketch]:
 
 
 def _telling(evaluator: Evaluator, start: Hypothesis, base: Fit) -> tuple[tuple[float, float], Fit] | None:
-    """The shortest beginning on which more than noise is left beside the rig's numbers, and the model there."""
+    """The shortest beginning on which more than noise is left beside the rig's numbers, and the model there.
+
+    Numbers that leave more in proportion to the slopes may leave nothing once they are fitted.
+    """
     for share_and_seconds in TELLING_WINDOWS:
         window = beginning(evaluator, *share_and_seconds)
         try:
             bare = fit(window, start, concerning(base, window), max_iterations=0)
         except ArithmeticError:
             return None
-        if Projection(bare).misfit > TELLING**2 * bare.n_data:
+        if Projection(bare).misfit > TELLING**2 * bare.n_data and ground_of(window, start, base).bare.ratio > TELLING:
             return share_and_seconds, bare
     return None
 

@@ -89,16 +89,16 @@ def heats(
     """
     starts = [tried_with(evaluator, start, effect) for effect in suspects]
     sketches: list[Sketch] = []
+    met = False
     first = beginning(evaluator, *schedule[0][:2])
     for share, seconds, most in schedule:
-        window = beginning(evaluator, share, seconds)
-        ground = ground_of(window, start, base)
-        met = bool(sketches) and sketches[0].fit.ratio < REACHED
+        ground = ground_of(beginning(evaluator, share, seconds), start, base)
         sketches = apart(sketched(ground, starts, near=near, closely=met))
         # Beside numbers that are nearly right the shortest part tells who is worth a sketch on more.
         others = [] if met else rivals(first, base, sketches, registry)[:MOST_RIVALS]
         sketches = apart(by_share([*sketches, *sketched(ground, others, near=near)]))[:most]
-        if sketches and sketches[0].fit.ratio < REACHED:
+        met = bool(sketches) and sketches[0].fit.ratio < REACHED < ground.bare.ratio
+        if met:
             close = [sketch for sketch in sketches if sketch.share > FAR_BEHIND * sketches[0].share]
             sketches = sketches[: max(len(close), LEAST_LEFT)]
         starts = [sketch.fit.hypothesis for sketch in sketches]
@@ -106,7 +106,8 @@ def heats(
 
 
 REACHED = 1.1
-"""Residual over noise at which the best suspect has met all its rivals, and those far behind it are dropped."""
+"""Residual over noise at which the best suspect has met all its rivals, and those far behind it are dropped; not where
+the model without a suspect is there too, and nothing is told."""
 
 FAR_BEHIND = 0.5
 """A suspect whose sketch takes away less than this share of what the best one does is left out."""

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from trial_records import REFERENCE, evaluator_of, measured, moved, multisine
 
+from identification.at_rest import linear_model
 from identification.calibrate import calibrate, unknowns_of
 from identification.evaluate import carry_noise
 from identification.evidence import Ranked
@@ -24,6 +25,7 @@ from models.effects.sensor_delay import SensorDelay
 from models.effects.sensor_gain import SensorGain
 from models.effects.sensor_position import SensorPosition
 from models.effects.sensor_swap import SensorSwap
+from models.linear import natural_modes
 
 P3 = REFERENCE.sensor("P3")
 ON_P3 = Place(sensor="P3")
@@ -128,6 +130,17 @@ def test_lines_in_all_channels_are_no_physics_of_the_rig(effect, own):
     assert seen.in_lines
     assert set(seen.kinds(EFFECTS)) == {"mains_hum", "base_motion"}
     assert "single lines" in seen.words
+
+
+def test_a_line_at_a_resonance_may_be_physics():
+    model = linear_model(Hypothesis(REFERENCE), 200.0)
+    resonance = float(natural_modes(model, (), 200.0).natural_freqs[-1])
+    away, there = (
+        looked_at(BaseMotion(Place(), frequency=frequency, amplitude=0.5), own=[("base_phase", 1.0)])
+        for frequency in (0.9 * resonance, resonance)
+    )
+    assert away.in_lines
+    assert not there.in_lines
 
 
 @pytest.mark.parametrize(
