@@ -210,7 +210,7 @@ REPORTED = CaseSet(
             "that is taken for the library's, damage beside the clamp that stands for the clamp",
             run="The clock ended it; the two cases then at work are left out.",
         ),
-        20731: Batch("737bb4b"),
+        20731: Batch("8810b94"),
     },
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),
