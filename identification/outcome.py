@@ -23,6 +23,10 @@ AT_REST_ONLY = "from one level of FRFs or mode shapes no nonlinearity can be see
 LARGEST_LOG_STD = 3.0
 """A standard deviation of more e-folds than this is reported as this: the number is not known at all."""
 
+EVEN = 12.0**-0.5
+"""Standard deviation of what may lie anywhere between two ends, as a share of their distance: no number within bounds,
+no place along the beam is known less than that."""
+
 
 def rig_estimates(result: Fit) -> tuple[Estimate, ...]:
     """Calibrated numbers of the rig with standard deviations."""
@@ -49,9 +53,11 @@ def effect_estimates(result: Fit, index: int) -> tuple[Estimate, ...]:
                 if unknown.about.scale == "log"
                 else unknown.unit * std
             )
-            entries.setdefault(names[unknown.entry], []).append(float(size))
+            widest = (unknown.about.upper - unknown.about.lower) * EVEN
+            entries.setdefault(names[unknown.entry], []).append(min(float(size), widest))
         elif isinstance(unknown, PlaceUnknown) and unknown.effect == index:
-            rows.append(Estimate("position", effect.place.position or 0.0, float(std) * unknown.length / 20.0, "m"))
+            size = min(float(std) / 20.0, EVEN) * unknown.length
+            rows.append(Estimate("position", effect.place.position or 0.0, size, "m"))
     for name, about in effect.parameters().items():
         value = getattr(effect, name)
         sizes = entries.get(name, [0.0] * (len(value) if isinstance(value, tuple) else 1))

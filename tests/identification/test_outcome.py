@@ -19,6 +19,7 @@ from identification.outcome import (
     rig_estimates,
 )
 from models.effects import Place
+from models.effects.breathing_crack import BreathingCrack
 from models.effects.point_damping import PointDamping
 from models.effects.point_mass import PointMass
 from models.effects.sensor_gain import SensorGain
@@ -81,6 +82,15 @@ def test_a_number_that_nobody_knows_has_a_finite_deviation():
     row = effect_estimates(effect_fit(MASS, std=1e9), 0)[-1]
 
     assert row.std == pytest.approx(0.3 * np.expm1(LARGEST_LOG_STD))
+
+
+def test_a_number_within_bounds_is_never_known_less_than_that():
+    crack = BreathingCrack(Place(position=0.5), loss=0.3)
+
+    rows = {e.name: e.std for e in effect_estimates(effect_fit(crack, std=1e9), 0)}
+
+    assert rows["loss"] == pytest.approx(0.999 / np.sqrt(12.0))
+    assert rows["position"] == pytest.approx(REFERENCE.structure.length / np.sqrt(12.0))
 
 
 def test_each_of_two_effects_has_its_own_numbers():
