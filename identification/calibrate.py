@@ -6,6 +6,7 @@ their soft difference.
 """
 
 from collections.abc import Sequence
+from contextlib import suppress
 from math import ceil
 
 import numpy as np
@@ -66,11 +67,24 @@ def set_in_motion(evaluator: Evaluator, hypothesis: Hypothesis, unknowns: Sequen
     for target in evaluator.timed:
         own = tuple(unknown for unknown in sought if unknown.record == target.record.name)
         if own:
-            tries = [_followed(evaluator, target, hypothesis, own, n, CHOSEN, SLOWLY) for n in FIRST_SAMPLES]
-            best = min(tries, key=lambda each: each.ratio).hypothesis
-            until = max(CHOSEN, round(FOLLOWED * target.record.fs))
-            hypothesis = _followed(evaluator, target, best, own, CHOSEN, until, FASTER).hypothesis
+            hypothesis = _begun(evaluator, target, hypothesis, own)
     return hypothesis
+
+
+def _begun(evaluator: Evaluator, target: TimeTarget, hypothesis: Hypothesis, unknowns: Sequence[Unknown]) -> Hypothesis:
+    """The hypothesis with a record's state, or as it was where none of the first samples leads to one."""
+    tries: list[Fit] = []
+    for n in FIRST_SAMPLES:
+        with suppress(ArithmeticError):
+            tries.append(_followed(evaluator, target, hypothesis, unknowns, n, CHOSEN, SLOWLY))
+    if not tries:
+        return hypothesis
+    best = min(tries, key=lambda each: each.ratio).hypothesis
+    until = min(max(CHOSEN, round(FOLLOWED * target.record.fs)), target.record.n_samples)
+    try:
+        return _followed(evaluator, target, best, unknowns, CHOSEN, until, FASTER).hypothesis
+    except ArithmeticError:
+        return best
 
 
 def _followed(
@@ -92,8 +106,8 @@ def _followed(
 
 
 FIRST_SAMPLES, CHOSEN = (24, 32, 40, 48), 120
-"""On which a state is first sought, of which half are judged, and samples on which the best of these states is chosen:
-with one first window in three, the state of a beam that had been held against a sleeve was lost."""
+"""On which a state is first sought, of which half are judged at least, and samples on which the best of these states is
+chosen: with one first window in three, the state of a beam that had been held against a sleeve was lost."""
 
 SLOWLY, FASTER, FOLLOWED = 1.25, 1.5, 0.5
 """Times what was followed before, until the choice and after it, and s up to where a state is followed by itself."""

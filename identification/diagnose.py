@@ -80,7 +80,7 @@ def diagnose(
     session = _open(given, kinds, records, seed, jobs, progress)
     started = with_starts(session.everything, given)
     stages = [session.stage("as given", started)]
-    base = _calibrated(session, replace(started, starts={}))
+    base = _calibrated(session, replace(started, starts={}))  # beside the numbers as given other states fit best
     session.decide(_calibration_in_words(base))
     stages.append(session.stage("calibrated", base.hypothesis))
     _carry(session, base.hypothesis, seed)

@@ -18,7 +18,7 @@ from identification.hypothesis import Hypothesis
 from identification.noise import Noise
 from identification.rest_target import FrfTarget, ModesTarget
 from models.arrays import ComplexArray, FloatArray
-from models.band_limit import PAD, PASS_EDGE, SCORE_EDGE, record_channels
+from models.band_limit import SCORE_EDGE
 from models.errors import DivergenceError
 from models.record import AnyRecord, Record
 from models.simulate import Response, Settings
@@ -80,9 +80,8 @@ class TimeTarget:
     unjudged: int = 0
 
     @classmethod
-    def of(cls, record: Record, noise: Noise) -> "TimeTarget":
+    def of(cls, record: Record, noise: Noise, unjudged: int = 0) -> "TimeTarget":
         """With the sensors' noise alone."""
-        unjudged = unjudged_of(record, noise) if record.moving_start else 0
         measured = _judged_spectrum(record.responses, unjudged)
         bare = cls(record, noise, measured, np.empty(0), record, record.duration, unjudged=unjudged)
         return bare.with_noise(noise)
@@ -180,6 +179,16 @@ class TimeTarget:
         return 2 * self.measured.size
 
     @property
+    def judged_share(self) -> float:
+        """Of the noise's power, what is left of it with the samples at the start that are not judged in full."""
+        return float(np.mean(_weights(self.record.n_samples, self.unjudged) ** 2))
+
+    @property
+    def n_judged(self) -> int:
+        """Chi-square that noise alone leaves in the mean."""
+        return round(self.judged_share * self.n_data)
+
+    @property
     def repeats(self) -> float:
         """How many times a sum over channels counts noise at most: what a force's noise does, it does to all at once.
 
@@ -193,7 +202,7 @@ class TimeTarget:
     @property
     def nrmse_of_noise(self) -> float:
         """NRMSE that the noise alone leaves."""
-        n = self.record.n_samples
+        n = self.record.n_samples * self.judged_share
         return float(np.sqrt(n * self.density.sum() / np.sum(np.abs(self.measured) ** 2)))
 
     def nrmse_left(self, residual: FloatArray) -> float:
@@ -207,44 +216,8 @@ class TimeTarget:
 
 
 AHEAD = 16
-"""Samples that must follow one, and come before it where the rig moves, for it to be judged: the recorder's filter and
-the force between samples see them."""
-
-
-def unjudged_of(record: Record, noise: Noise) -> int:
-    """Samples at the start of a record that begins in motion for which the recorder heard too much of what was before.
-
-    The model continues a record by its odd reflection, which bends the other way. What the recorder makes of that bend
-    beyond its pass band may add no more than a little to the chi-square of any channel.
-
-    Args:
-        record: measured.
-        noise: of its channels.
-    """
-    longest = min(PAD, record.n_samples // 4)
-    bend = np.abs(np.diff(record.responses[:, : longest + 2], 2)).max(axis=1) / BEND_AT_EDGE
-    quiet = np.maximum(noise.sensors, LEAST_NOISE * record.responses.std(axis=1))
-    heard = TAIL[:longest] * float(np.max(2.0 * bend / np.maximum(quiet, np.finfo(float).tiny)))
-    added = np.cumsum(heard[::-1] ** 2)[::-1]
-    return int(np.count_nonzero(added > HEARD * record.n_samples))
-
-
-HEARD = 0.03
-"""Share of a channel's chi-square that what was before may add, where all is right."""
-
-BEND_AT_EDGE = (2.0 * np.pi * PASS_EDGE) ** 2
-"""Second difference of a motion of size one at the edge of the pass band."""
-
-
-def _tail() -> FloatArray:
-    """(PAD,) root of the sum of squares of the recorder's answer to an impulse, from so many samples after it on."""
-    impulse = np.zeros((1, 4 * PAD))
-    impulse[0, 2 * PAD] = 1.0
-    after = record_channels(impulse, 1, 4 * PAD, 1.0)[0, 2 * PAD :]
-    return np.asarray(np.sqrt(np.cumsum(after[::-1] ** 2)[::-1])[:PAD])
-
-
-TAIL = _tail()
+"""Samples that must follow one, and come before it in a later part of a record, for it to be judged: the recorder's
+filter and the force between samples see them."""
 
 
 def _of_channels(record: Record, kept: Sequence[int]) -> Record:
@@ -279,11 +252,15 @@ def _judged_spectrum(channels: FloatArray, unjudged: int) -> ComplexArray:
     of a frame came out 0.03 N apart with and without one of 1250 samples.
     """
     if unjudged:
-        rise = min(RISE, (channels.shape[1] - unjudged) // 4)
-        channels = channels.copy()
-        channels[:, :unjudged] = 0.0
-        channels[:, unjudged : unjudged + rise] *= np.sin(0.5 * np.pi * (np.arange(rise) + 0.5) / rise) ** 2
+        channels = channels * _weights(channels.shape[1], unjudged)
     return scored_spectrum(channels)
+
+
+def _weights(n: int, unjudged: int) -> FloatArray:
+    """(n,) how much each sample counts."""
+    rise = min(RISE, (n - unjudged) // 4) if unjudged else 0
+    rising = np.sin(0.5 * np.pi * (np.arange(rise) + 0.5) / max(rise, 1)) ** 2
+    return np.concatenate([np.zeros(unjudged), rising, np.ones(n - unjudged - rise)])
 
 
 RISE = 32
@@ -355,6 +332,11 @@ class Evaluator:
     def n_data(self) -> int:
         """Real numbers in a residual."""
         return sum(target.n_data for target in self.targets)
+
+    @property
+    def n_judged(self) -> int:
+        """Chi-square that noise alone leaves in the mean."""
+        return self.n_data - sum(target.n_data - target.n_judged for target in self.timed)
 
     @cached_property
     def repeats(self) -> float:

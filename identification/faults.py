@@ -238,7 +238,8 @@ def _resonances(evaluator: Evaluator, hypothesis: Hypothesis) -> FloatArray:
     band = SCORE_EDGE * max(target.record.fs for target in evaluator.timed)
     linear = linear_model(hypothesis, band)
     held = natural_modes(linear, (), band).natural_freqs
-    return np.concatenate([held, linear.model.omega[linear.model.omega > 0.0] / (2.0 * np.pi)])
+    opened = linear.model.omega / (2.0 * np.pi)
+    return np.concatenate([held, opened[(opened > 0.0) & (opened < band)]])
 
 
 RESONANT = 0.02

@@ -23,7 +23,8 @@ class Fit:
         unknowns: what was moved.
         chi2: sum of squared residuals in units of the noise, without the prior's part.
         penalty: the prior's part.
-        n_data: real numbers in the residual.
+        n_data: chi-square that noise alone leaves in the mean: the numbers in the residual, but for samples at the
+            start of a record that are not judged in full.
         residual: (n_data,) in units of the noise.
         jacobian: (n_unknowns, n_data).
         covariance: (n_unknowns, n_unknowns) in the unknowns' own coordinates, for noise of the estimated size,
@@ -129,7 +130,7 @@ def fit(
         unknowns,
         chi2,
         state.cost - chi2,
-        evaluator.n_data,
+        evaluator.n_judged,
         state.residual,
         rows,
         inverse_of(normal),

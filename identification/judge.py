@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from identification.calibrate import beginning, calibrate, pulled
+from identification.calibrate import beginning, calibrate, pulled, set_in_motion
 from identification.evaluate import Evaluator
 from identification.evidence import Ranked, misfit_in_common, reweighed, with_evidence
 from identification.fit import Fit, fit
@@ -195,8 +195,9 @@ def restarted(evaluator: Evaluator, base: Fit, found: Fit) -> Fit:
         window = beginning(evaluator, *HEATS[-1][:2])
         start = tried_with(window, replace(base.hypothesis, values=values), effect)
         try:
+            start = set_in_motion(window, replace(start, starts={}), unknowns)
             first = fit(window, start, alone, tolerance=1e-2)
-            again = calibrate(evaluator, replace(first.hypothesis, starts={}), unknowns)
+            again = calibrate(evaluator, first.hypothesis, unknowns)
         except ArithmeticError:
             continue
         best = min(best, again, key=lambda f: f.cost)

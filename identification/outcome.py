@@ -1,7 +1,7 @@
 """From fits to what a person reads: candidates, intervals, groups that cannot be told apart."""
 
 from collections.abc import Sequence
-from math import exp, log
+from math import exp, inf, isfinite, log, sqrt
 
 from identification.evaluate import Evaluator
 from identification.evidence import Ranked, misfit_in_common, probabilities
@@ -22,10 +22,6 @@ AT_REST_ONLY = "from one level of FRFs or mode shapes no nonlinearity can be see
 
 LARGEST_LOG_STD = 3.0
 """A standard deviation of more e-folds than this is reported as this: the number is not known at all."""
-
-EVEN = 12.0**-0.5
-"""Standard deviation of what may lie anywhere between two ends, as a share of their distance: no number within bounds,
-no place along the beam is known less than that."""
 
 
 def rig_estimates(result: Fit) -> tuple[Estimate, ...]:
@@ -53,17 +49,22 @@ def effect_estimates(result: Fit, index: int) -> tuple[Estimate, ...]:
                 if unknown.about.scale == "log"
                 else unknown.unit * std
             )
-            widest = (unknown.about.upper - unknown.about.lower) * EVEN
+            widest = _anywhere(value, unknown.about.lower, unknown.about.upper)
             entries.setdefault(names[unknown.entry], []).append(min(float(size), widest))
         elif isinstance(unknown, PlaceUnknown) and unknown.effect == index:
-            size = min(float(std) / 20.0, EVEN) * unknown.length
-            rows.append(Estimate("position", effect.place.position or 0.0, size, "m"))
+            where, size = effect.place.position or 0.0, float(std) * unknown.length / 20.0
+            rows.append(Estimate("position", where, min(size, _anywhere(where, 0.0, unknown.length)), "m"))
     for name, about in effect.parameters().items():
         value = getattr(effect, name)
         sizes = entries.get(name, [0.0] * (len(value) if isinstance(value, tuple) else 1))
         std_out = tuple(sizes) if isinstance(value, tuple) else sizes[0]
         rows.append(Estimate(name, value, std_out, about.unit))
     return tuple(rows)
+
+
+def _anywhere(value: float, lower: float, upper: float) -> float:
+    """Rms distance from a value of what may lie anywhere between two ends: no number is known less than that."""
+    return sqrt((upper - lower) ** 2 / 12.0 + (value - 0.5 * (lower + upper)) ** 2) if isfinite(upper - lower) else inf
 
 
 def added_effects(result: Fit, rounds: Sequence[Sequence[Ranked]]) -> tuple[AddedEffect, ...]:

@@ -7,6 +7,7 @@ from math import pi
 import numpy as np
 
 from identification.evaluate import Evaluator, Target, TimeTarget, carry_noise, whitened
+from identification.heard_before import unjudged_of
 from identification.hypothesis import Hypothesis, OffsetUnknown, StartUnknown, Unknown, own_numbers
 from identification.noise import estimate_noise
 from identification.rest_target import FrfTarget, ModesTarget
@@ -14,6 +15,7 @@ from models.arrays import BoolArray, FloatArray
 from models.band_limit import STOP_EDGE
 from models.linear import ORDER_READ
 from models.modal import ModalModel, build_modal
+from models.plant import Plant
 from models.record import AnyRecord, FrfRecord, Record
 from models.simulate import MAX_STEPS_PER_SAMPLE, Settings
 
@@ -49,14 +51,16 @@ def prepare(hypothesis: Hypothesis, records: Sequence[AnyRecord], jobs: int, rng
     Raises:
         InputError: FRFs with too few lines to tell their noise, or a mode that no sensor sees.
     """
-    evaluator = Evaluator([target_of(record) for record in records], jobs)
+    plant = hypothesis.plant()
+    evaluator = Evaluator([target_of(record, plant) for record in records], jobs)
     return evaluator.with_targets(carry_noise(evaluator, hypothesis, rng))
 
 
-def target_of(record: AnyRecord) -> Target:
-    """A record with its noise, as far as the record itself tells it."""
+def target_of(record: AnyRecord, plant: Plant) -> Target:
+    """A record with its noise, as far as the record itself tells it, from where it tells of the plant alone."""
     if isinstance(record, Record):
-        return TimeTarget.of(record, estimate_noise(record))
+        noise = estimate_noise(record)
+        return TimeTarget.of(record, noise, unjudged_of(record, noise, plant))
     return FrfTarget.of(record) if isinstance(record, FrfRecord) else ModesTarget.of(record)
 
 

@@ -73,7 +73,7 @@ def _beginning_of(session: Session, row: Ranked) -> Fit | None:
     first = explained_beginning(session.fitting, model, unknowns)
     if first is not None and _is_long(session, first):
         return first
-    second = explained_beginning(session.fitting, replace(model, values={}), unknowns)
+    second = explained_beginning(session.fitting, replace(model, values={}, starts={}), unknowns)
     return max((each for each in (first, second) if each is not None), key=lambda each: each.n_data, default=None)
 
 

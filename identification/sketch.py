@@ -29,9 +29,9 @@ HEATS: tuple[Heat, ...] = ((0.02, 0.4, 14), (0.1, 0.75, 10))
 ITERATIONS_ALONE, ITERATIONS, TOLERANCE = 3, 5, 2e-2
 """Of the suspect by itself, while the rig's numbers are held, and then of all: else these are pulled away first."""
 
-ITERATIONS_TOGETHER, ITERATIONS_CLOSELY, ITERATIONS_LASTING = 8, 15, 20
-"""Of all at once, from numbers that are near; where one has explained the beginning, and of the few kinds that act over
-the length of a record, more."""
+ITERATIONS_TOGETHER, ITERATIONS_FOLLOWED, ITERATIONS_LASTING = 8, 15, 20
+"""Of all at once, from numbers that are near; more of the few that are followed from a beginning that one of them
+explains, and of the few kinds that act over the length of a record."""
 
 MOST_RIVALS = 8
 """Rivals fitted in a heat."""
@@ -89,16 +89,16 @@ def heats(
     """
     starts = [tried_with(evaluator, start, effect) for effect in suspects]
     sketches: list[Sketch] = []
-    met = False
+    noise_reached = False
     first = beginning(evaluator, *schedule[0][:2])
     for share, seconds, most in schedule:
         ground = ground_of(beginning(evaluator, share, seconds), start, base)
-        sketches = apart(sketched(ground, starts, near=near, closely=met))
+        sketches = apart(sketched(ground, starts, near=near, own_slopes=noise_reached))
         # Beside numbers that are nearly right the shortest part tells who is worth a sketch on more.
-        others = [] if met else rivals(first, base, sketches, registry)[:MOST_RIVALS]
+        others = [] if noise_reached else rivals(first, base, sketches, registry)[:MOST_RIVALS]
         sketches = apart(by_share([*sketches, *sketched(ground, others, near=near)]))[:most]
-        met = bool(sketches) and sketches[0].fit.ratio < REACHED < ground.bare.ratio
-        if met:
+        noise_reached = bool(sketches) and sketches[0].fit.ratio < REACHED < ground.bare.ratio
+        if noise_reached:
             close = [sketch for sketch in sketches if sketch.share > FAR_BEHIND * sketches[0].share]
             sketches = sketches[: max(len(close), LEAST_LEFT)]
         starts = [sketch.fit.hypothesis for sketch in sketches]
@@ -220,7 +220,7 @@ def ground_of(evaluator: Evaluator, start: Hypothesis, base: Fit) -> Ground:
 
 
 def sketched(
-    ground: Ground, suspects: Sequence[Hypothesis], *, near: bool = False, closely: bool = False
+    ground: Ground, suspects: Sequence[Hypothesis], *, near: bool = False, own_slopes: bool = False
 ) -> list[Sketch]:
     """Each suspect fitted with all unknowns, from afar first by itself; best first.
 
@@ -228,15 +228,15 @@ def sketched(
         ground: records to fit.
         suspects: the model with one effect more each.
         near: all unknowns at once from the first.
-        closely: with their own slopes and more iterations, so that what explained the beginning is not lost farther on.
+        own_slopes: each with its own and more iterations, so that what explained the beginning is not lost farther on.
     """
     evaluator = ground.evaluator.with_jobs(1)
 
     def one(suspect: Hypothesis) -> Sketch | None:
         own = own_unknowns(suspect)
         unknowns = (*ground.bare.unknowns, *own)
-        if closely:
-            found = _tried(evaluator, suspect, unknowns, ITERATIONS_CLOSELY)
+        if own_slopes:
+            found = _tried(evaluator, suspect, unknowns, ITERATIONS_FOLLOWED)
         elif near:
             found = _tried(evaluator, suspect, unknowns, ITERATIONS_TOGETHER, ground.slopes)
         else:

@@ -16,7 +16,7 @@ def test_the_unknowns_are_the_tolerances_and_the_moving_starts():
     rig = oscillator("displacement")
     pairs = [measured(Hypothesis(rig), sweep(512), name=name, moving_start=name == "a") for name in "ab"]
 
-    unknowns = unknowns_of(Hypothesis(rig), evaluator_of(*pairs))
+    unknowns = unknowns_of(Hypothesis(rig), evaluator_of(*pairs, rig=rig))
 
     assert [type(u) for u in unknowns] == [*3 * [RigUnknown], StartUnknown, StartUnknown, OffsetUnknown]
     assert {u.record for u in unknowns[3:]} == {"a"}

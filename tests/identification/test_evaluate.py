@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from trial_records import FS, REFERENCE, evaluator_of, let_go, measured, moved, multisine, oscillator, sweep
 
-from identification.evaluate import AHEAD, Evaluator, TimeTarget, carry_noise, nrmse, scored_spectrum
+from identification.evaluate import AHEAD, Evaluator, TimeTarget, carry_noise, nrmse, scored_spectrum, whitened
 from identification.hypothesis import Hypothesis
 from identification.noise import Noise
-from models.band_limit import PAD, SCORE_EDGE
+from models.band_limit import SCORE_EDGE
 
 
 def brick_wall(channels, fs):
@@ -197,22 +197,23 @@ def test_a_part_has_the_noise_of_its_own_time():
     assert loud.with_noise(loud.noise).carried.size == 0
 
 
-def test_the_quieter_the_sensors_the_longer_the_recorder_hears_what_was_before():
-    record, noise = let_go(REFERENCE, 20.0)
-    unjudged = [
-        TimeTarget.of(record, replace(noise, sensors=share * noise.sensors)).unjudged for share in (1e3, 1.0, 1e-2)
-    ]
-
-    assert 0 == unjudged[0] < unjudged[1] < unjudged[2] <= PAD
-    slow = replace(record, responses=np.sin(0.02 * np.arange(record.n_samples)) * np.ones((len(record.sensors), 1)))
-    assert TimeTarget.of(slow, replace(noise, sensors=np.full(len(record.sensors), 1e-3))).unjudged < 4
-    assert TimeTarget.of(replace(record, moving_start=False), noise).unjudged == 0
-
-
 def test_what_is_not_judged_does_not_count():
     record, noise = let_go(REFERENCE, 20.0)
-    target = TimeTarget.of(record, noise)
+    target = TimeTarget.of(record, noise, 40)
     other = record.responses.copy()
-    other[:, : target.unjudged] = 1e3
+    other[:, :40] = 1e3
 
     np.testing.assert_array_equal(target.spectrum(other), target.measured)
+
+
+@pytest.mark.parametrize("n", [256, 4096])
+def test_noise_alone_leaves_as_much_as_is_judged(n):
+    record, noise = let_go(REFERENCE, 20.0)
+    target = TimeTarget.of(record, noise, 64).cut(n)
+
+    noises = noise.sensors[:, None] * np.random.default_rng(5).standard_normal((len(record.sensors), n))
+    left = whitened(target.spectrum(noises), target)
+
+    assert target.n_judged < target.n_data
+    assert left @ left == pytest.approx(target.n_judged, rel=0.05)
+    assert TimeTarget.of(record, noise).n_judged == TimeTarget.of(record, noise).n_data

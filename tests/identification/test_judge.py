@@ -3,15 +3,17 @@
 from types import SimpleNamespace
 
 import pytest
-from trial_records import REFERENCE, evaluator_of, fit_of, measured, multisine
+from trial_records import REFERENCE, evaluator_of, fit_of, let_go, measured, multisine
 
 from identification import in_its_place
 from identification import judge as judging
 from identification.evidence import Ranked, log_occam
-from identification.hypothesis import Hypothesis
+from identification.fit import fit
+from identification.hypothesis import Hypothesis, effect_unknowns
 from identification.in_its_place import RULED_OUT
-from identification.judge import LEAST_REFITS, _best, finals, judge
+from identification.judge import LEAST_REFITS, _best, finals, judge, restarted
 from identification.look import View
+from identification.prepare import start_unknowns
 from identification.sketch import FAR_BEHIND, Sketch
 from models.effects import Place
 from models.effects.coulomb_friction import CoulombFriction
@@ -20,6 +22,7 @@ from models.effects.point_mass import PointMass
 from models.effects.point_stiffness import PointStiffness
 from models.effects.sensor_gain import SensorGain
 from models.effects.wear import Wear
+from models.simulate import Settings
 
 HERE = Place(position=0.7)
 MASS = PointMass(HERE, mass=0.3)
@@ -189,3 +192,19 @@ def test_kinds_in_time_are_looked_at_where_no_other_reaches_the_noise(monkeypatc
     judge(views, SimpleNamespace(targets=()), far, lambda _: None)
 
     assert asked == looked_at
+
+
+def test_begun_again_from_the_given_numbers_a_lost_start_is_found():
+    """A beam let go from a hard sleeve: a fit of all its record at once, from rest, does not find its state."""
+    load = PointMass(Place(position=1.2), mass=0.3)
+    evaluator = evaluator_of(let_go(REFERENCE, -60.0, load), settings=Settings(steps_per_sample=8))
+    starts = start_unknowns(Hypothesis(REFERENCE), [target.record for target in evaluator.timed])
+    base = fit(evaluator, Hypothesis(REFERENCE), starts)
+    stuck = Hypothesis(REFERENCE).with_effects(load.scaled(0.7))
+    found = fit(evaluator, stuck, (*starts, *effect_unknowns(stuck, places=False)))
+
+    again = restarted(evaluator, base, found)
+
+    assert found.ratio > 3.0
+    assert again.ratio < 1.1
+    assert again.hypothesis.effects[-1].mass == pytest.approx(0.3, rel=1e-2)

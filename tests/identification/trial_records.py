@@ -7,6 +7,7 @@ import numpy as np
 
 from identification.evaluate import Evaluator, TimeTarget
 from identification.fit import Fit, fit
+from identification.heard_before import unjudged_of
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
 from identification.noise import Noise
 from identification.prepare import Horizon, cut_to
@@ -60,20 +61,24 @@ def measured(truth, force, *, noise=NOISE, force_noise=0.0, seed=3, name="test",
     return replace(silent, excitation=felt, responses=heard), Noise(sensors, force_noise * float(force.std()), "", "")
 
 
-def let_go(rig, force, *, n=4096, before=60, noise=1e-3, seed=4, name="decay"):
+def let_go(rig, force, *effects, n=4096, before=60, noise=1e-3, seed=4, name="decay"):
     """A free decay whose recorder was started a little after the beam's end had been let go; and the noise."""
     hold = Hold(rig.structure.length, force)
     trial = Trial(FS, np.zeros(n + before), hold=hold)
-    clean = simulator("modal").run(build_plant(rig), trial, Resolution(steps_per_sample=4)).channels[:, before:]
+    clean = (
+        simulator("modal").run(build_plant(rig, effects), trial, Resolution(steps_per_sample=4)).channels[:, before:]
+    )
     sensors = noise * clean.std(axis=1)
     heard = clean + sensors[:, None] * np.random.default_rng(seed).standard_normal(clean.shape)
     names = tuple(sensor.name for sensor in rig.sensors)
     return Record(name, FS, None, names, heard, moving_start=True), Noise(sensors, 0.0, "", "")
 
 
-def evaluator_of(*pairs, jobs=1, settings=Settings()):  # noqa: B008
+def evaluator_of(*pairs, rig=REFERENCE, jobs=1, settings=Settings()):  # noqa: B008
     """An evaluator that knows the noise of its (record, noise) pairs."""
-    return Evaluator([TimeTarget.of(record, noise) for record, noise in pairs], jobs, settings)
+    plant = Hypothesis(rig).plant()
+    targets = [TimeTarget.of(record, noise, unjudged_of(record, noise, plant)) for record, noise in pairs]
+    return Evaluator(targets, jobs, settings)
 
 
 def moved(rig, *sigmas):
