@@ -54,7 +54,7 @@ class Linear:
 
     def __init__(self, matrix, right, unknowns):
         self.matrix, self.right, self.unknowns = matrix, right, unknowns
-        self.n_data, self.n_asked = len(right), 0
+        self.n_data, self.n_judged, self.n_asked = len(right), len(right), 0
         self.targets = (target("test", self.n_data),)
 
     def residuals(self, hypotheses):
@@ -70,7 +70,7 @@ class Impact:
     press, deepest = np.linspace(0.0, 4e-4, 400), 1e5
 
     def __init__(self, truth):
-        self.n_data = len(self.press)
+        self.n_data = self.n_judged = len(self.press)
         self.unit = self.deepest / self.force(truth, 1.0).max()
         self.measured = self.force(truth, self.unit) + np.random.default_rng(0).standard_normal(self.n_data)
 
@@ -94,7 +94,7 @@ class Rough:
     def __init__(self):
         rng = np.random.default_rng(0)
         self.slope, self.phase = 150.0 * rng.standard_normal(400), 2.0 * np.pi * rng.random(400)
-        self.measured, self.n_data = rng.standard_normal(400), 400
+        self.measured, self.n_data, self.n_judged = rng.standard_normal(400), 400, 400
 
     def residuals(self, hypotheses):
         rows = []
@@ -234,7 +234,7 @@ def test_starts_of_two_records_are_kept_apart():
         truth = StartUnknown(entry, 2, scale, "a").set(truth, 1.0)
         truth = StartUnknown(entry, 2, scale, "b").set(truth, -2.0)
     pairs = [measured(truth, sweep(768), seed=k, name=name, moving_start=True) for k, name in enumerate("ab")]
-    evaluator = evaluator_of(*pairs)
+    evaluator = evaluator_of(*pairs, rig=rig)
     unknowns = start_unknowns(Hypothesis(rig), [record for record, _ in pairs])
 
     found = fit(evaluator, Hypothesis(rig), unknowns)
@@ -254,7 +254,7 @@ def test_the_rest_reading_of_a_channel_is_found():
     shifted = replace(record, excitation=record.excitation + 0.8)
     unknowns = start_unknowns(Hypothesis(rig), [shifted])
 
-    found = fit(evaluator_of((shifted, noise)), Hypothesis(rig), unknowns)
+    found = fit(evaluator_of((shifted, noise), rig=rig), Hypothesis(rig), unknowns)
 
     offset = next(i for i, u in enumerate(unknowns) if isinstance(u, OffsetUnknown))
     error = found.hypothesis.offsets["test"] - 0.8
