@@ -52,9 +52,7 @@ def score(evaluator: Evaluator, hypothesis: Hypothesis) -> Score:
                 nrmse=nrmse(residual, target.measured),
                 noise_nrmse=target.nrmse_of_noise,
                 channel_nrmse=np.sqrt(np.sum(np.abs(residual) ** 2, axis=1) / power),
-                channel_noise_nrmse=np.sqrt(
-                    target.judged_share * target.record.n_samples * target.density.sum(axis=1) / power
-                ),
+                channel_noise_nrmse=np.sqrt(target.noise_power / power),
             )
         )
     return Score(tuple(rows), tuple(target.score(hypothesis) for target in evaluator.at_rest))

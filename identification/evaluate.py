@@ -202,8 +202,12 @@ class TimeTarget:
     @property
     def nrmse_of_noise(self) -> float:
         """NRMSE that the noise alone leaves."""
-        n = self.record.n_samples * self.judged_share
-        return float(np.sqrt(n * self.density.sum() / np.sum(np.abs(self.measured) ** 2)))
+        return float(np.sqrt(self.noise_power.sum() / np.sum(np.abs(self.measured) ** 2)))
+
+    @property
+    def noise_power(self) -> FloatArray:
+        """(n,) power of the spectrum that the noise alone leaves in each channel."""
+        return np.asarray(self.judged_share * self.record.n_samples * self.density.sum(axis=1))
 
     def nrmse_left(self, residual: FloatArray) -> float:
         """NRMSE of a residual, (n_data,) in units of the noise."""

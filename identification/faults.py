@@ -214,10 +214,9 @@ def _in_lines(evaluator: Evaluator, base: Fit) -> Suspicion:
 
     A lightly damped resonance that is a little off leaves lines as narrow as a hum does.
     """
-    resonances = _resonances(evaluator, base.hypothesis)
-    frequencies = tuple(
-        line for line in lines_left(evaluator, base.hypothesis).free if np.all(abs(resonances / line - 1.0) > RESONANT)
-    )
+    seen = lines_left(evaluator, base.hypothesis).free
+    resonances = _resonances(evaluator, base.hypothesis) if seen else np.empty(0)
+    frequencies = tuple(line for line in seen if np.all(abs(resonances / line - 1.0) > RESONANT))
     if not frequencies:
         return NO_SUSPICION
     residual = base.residual
@@ -226,9 +225,9 @@ def _in_lines(evaluator: Evaluator, base: Fit) -> Suspicion:
     left = float(residual[outside] @ residual[outside]) - int(outside.sum())
     if not excess > 0.0 or left > MOSTLY * excess:
         return NO_SUSPICION
-    seen = ", ".join(f"{frequency:.4g}" for frequency in sorted(frequencies))
+    told = ", ".join(f"{frequency:.4g}" for frequency in sorted(frequencies))
     words = (
-        f"what is left stands in single lines at {seen} Hz: without them {max(left / excess, 0.0):.0%} of it remains"
+        f"what is left stands in single lines at {told} Hz: without them {max(left / excess, 0.0):.0%} of it remains"
     )
     return Suspicion(in_lines=True, words=words)
 

@@ -81,7 +81,7 @@ class Bench:
 
     def scene(self, place: Place) -> Scene:
         """What moves at a place at the high level."""
-        evaluator = Evaluator([target_of(self.records["high"][0], Hypothesis(self.rig).plant())], jobs=1)
+        evaluator = Evaluator([target_of(self.records["high"][0], self.plant())], jobs=1)
         return scenes(evaluator, Hypothesis(self.rig), (place,))[place]
 
     def position_of(self, place: Place) -> float | None:
