@@ -35,7 +35,7 @@ def going_on(quantity, freq, share, n=2048, before=400):
 
 
 @pytest.mark.parametrize("quantity", ["displacement", "velocity", "acceleration"])
-@pytest.mark.parametrize(("freq", "share"), [(20.0, 1e-4), (60.0, 1e-3), (400.0, 1e-3)])
+@pytest.mark.parametrize(("freq", "share"), [(10.0, 3e-4), (20.0, 1e-4), (20.0, 3e-4), (60.0, 1e-3), (400.0, 1e-3)])
 def test_a_model_in_the_true_state_leaves_the_noise(quantity, freq, share):
     record, noise, model = going_on(quantity, freq, share)
     target = TimeTarget.of(record, noise, unjudged_of(record, noise, model.plant()))
