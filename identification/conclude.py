@@ -34,7 +34,7 @@ from models.simulate import Settings, Trace
 
 
 def one_set_of_numbers(session: Session, calibrated: Fit, verdict: Verdict) -> tuple[CalibrationFinding, ...]:
-    """What the calibrated model's numbers contradict, among the decisions where something is missing."""
+    """What the calibrated model's numbers contradict, told where something is missing."""
     session.progress("holding the calibrated numbers against tolerances, records, times and modes")
     try:
         found = calibration_findings(session.fitting, calibrated, np.random.default_rng(session.seed))
@@ -42,7 +42,7 @@ def one_set_of_numbers(session: Session, calibrated: Fit, verdict: Verdict) -> t
         session.decide(f"the calibrated numbers were not held against each other: {lost}")
         return ()
     for each in found if verdict != "complete" else ():
-        session.decide(each.told)
+        session.progress(each.told)
     return found
 
 
@@ -105,6 +105,7 @@ def concluded(
     forces = forces_of(beside)
     updated_maps = tuple(error_map(record) for record in stages[-1].score.records)
     kept = kept_aside(session, given, polished.hypothesis, holdout)
+    located = _located(session, heard, calibrated.hypothesis, beside)
     proposal = next_experiment(
         session,
         verdict,
@@ -112,6 +113,7 @@ def concluded(
         polished.hypothesis,
         maps=updated_maps,
         forces=forces,
+        located=located,
         kept_aside=bool(holdout),
     )
     return Diagnosis(
@@ -124,7 +126,7 @@ def concluded(
         rig_estimates=rig_estimates(polished),
         where=tuple(error_map(record) for record in calibrated.score.records),
         missing_forces=forces,
-        located=_located(session, heard, calibrated.hypothesis, beside),
+        located=located,
         updated_maps=updated_maps,
         traces=_traces(session, polished.hypothesis),
         next_experiment=proposal,
@@ -134,7 +136,6 @@ def concluded(
         findings=(
             *(f for t in session.everything.timed for f in t.record.findings),
             *(f"{t.record.name}: {AT_REST_ONLY}" for t in session.everything.at_rest),
-            *(kept.missed if verdict != "unexplained" else ()),
         ),
         not_predicted=kept.missed,
     )

@@ -118,7 +118,7 @@ def diagnose(
     verdict, final, last = _ended(session, chain, rounds, stages)
     calibration = one_set_of_numbers(session, chain[0], verdict)
     found = concluded(session, given, stages, rounds, verdict, final, last, holdout, seed, began)
-    return replace(found, calibration=calibration, findings=(*found.findings, *(each.told for each in calibration)))
+    return replace(found, calibration=calibration)
 
 
 def _calibrated(session: Session, started: Hypothesis) -> Fit:

@@ -222,8 +222,8 @@ class Diagnosis:
         seconds: wall time.
         seed: of every random choice.
         located: the one place where a force would explain most of what the calibrated model leaves, and its shape.
-        findings: what readers noticed, and what one set of numbers does not explain, in words.
-        calibration: the latter as values, the most significant first.
+        findings: what was noticed in the records, in words.
+        calibration: what one set of numbers does not explain, the most significant first.
         not_predicted: a sentence for each record kept aside on which what was learnt does not hold.
     """
 
@@ -246,6 +246,12 @@ class Diagnosis:
     located: Located | None = None
     calibration: tuple[CalibrationFinding, ...] = field(default=())
     not_predicted: tuple[str, ...] = ()
+
+    @property
+    def all_findings(self) -> tuple[str, ...]:
+        """In words: of the records, of those kept aside where that judges what was learnt, of the calibrated model."""
+        kept = self.not_predicted if self.verdict != "unexplained" else ()
+        return (*self.findings, *kept, *(each.told for each in self.calibration))
 
     @property
     def calibrated(self) -> Stage:

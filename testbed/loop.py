@@ -145,7 +145,7 @@ def _where(diagnosis: Diagnosis) -> Json:
         "records": [_worst(error_map, sensors[error_map.record]) for error_map in diagnosis.where],
         "forces": [_force(force) for force in diagnosis.missing_forces],
         **({} if diagnosis.located is None else _located(diagnosis.located)),
-        "findings": list(diagnosis.findings),
+        "findings": list(diagnosis.all_findings),
         "linear": {
             label: [_linear(row) for row in stage.score.at_rest]
             for label, stage in (("as given", diagnosis.stages[0]), ("updated", diagnosis.final))

@@ -200,19 +200,22 @@ class _Search:
 
     def _located(self, first: _Profile, profile: _Profile, last: _Profile) -> Located:
         place, interval = last.peak()
-        interval = self._widened(last, place, interval)
         i = last.best
         left = float(np.sqrt(last.weighed.left[i]))
         enough, share = _is_enough(first.weighed.nothing, left), _share(first.weighed.nothing, left**2)
+        n = len(profile.positions)
+        explained = np.array([_share(first.weighed.nothing, each) for each in profile.weighed.left[:n]])
+        alike = profile.positions[explained > share - (1.0 - OWN_SHARE)]
+        interval = _hull(*self._widened(last, place, interval), *alike.tolist())
         low, high = (end + side * NEAR * self.step for end, side in zip(interval, (-1.0, 1.0), strict=True))
         contacts = (c for c in first.runs[0].plant.contacts if c.position is not None)
-        sleeve = next((c.sleeve for c in contacts if c.position is not None and low <= c.position <= high), None)
+        inside = [(abs(c.position - place), c.sleeve) for c in contacts if c.position and low <= c.position <= high]
+        sleeve = min(inside, default=(0.0, None))[1]
         forces = tuple(_force_in(run, last, k, i) for k, run in enumerate(profile.runs))
         centre = next((c.offset for c in first.runs[0].plant.contacts if c.sleeve == sleeve), None)
-        n = len(profile.positions)
         found = Located(
             positions=profile.positions,
-            explained=profile.explained[:n],
+            explained=explained,
             channels=first.channels,
             nothing=float(np.sqrt(first.weighed.nothing)),
             left=left,
@@ -259,7 +262,12 @@ def _is_enough(nothing: float, left: float) -> bool:
 
 
 OWN_SHARE = 0.98
-"""Share of the misfit beyond the noise: linear tolerances and a few turns leave up to 2 % of a true force's."""
+"""Share of the misfit beyond the noise: linear tolerances and a few turns leave up to 2 % of a true force's. Places
+that explain as much but for these 2 % are not told apart."""
+
+
+def _hull(*ends: float) -> tuple[float, float]:
+    return min(ends), max(ends)
 
 
 def _share(nothing: float, left: float) -> float:

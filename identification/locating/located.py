@@ -95,7 +95,7 @@ class Located:
         nothing: what the model leaves, over the noise, with laws at the motion that the channels tell.
         left: the same with the most likely force, or without the most likely channel.
         place: most likely position, m; None where nothing is missing, or a channel is told.
-        interval: in which the logarithm of the evidence falls by 2, m.
+        interval: of the places that are not told from it, m.
         sleeve: at the place, if one is in the interval.
         sensor: the channel in which the misfit lies instead.
         share: explained there.
@@ -119,3 +119,10 @@ class Located:
     words: str
     forces: tuple[PlacedForce, ...]
     shape: Shape | None
+
+    @property
+    def where(self) -> str:
+        """The place or channel in short; empty where none is told, or the misfit is at more than one place."""
+        if not self.enough or (self.place is None and self.sensor is None):
+            return ""
+        return self.sensor or self.sleeve or f"{self.place:.3g} m"

@@ -7,6 +7,7 @@ import numpy as np
 
 from identification.evaluate import Evaluator
 from identification.hypothesis import Hypothesis
+from identification.locating.located import Located
 from identification.next_experiment import candidates
 from identification.next_experiment.bench import Bench
 from identification.next_experiment.costs import COSTS
@@ -91,13 +92,16 @@ def another_kind(bench: Bench) -> Proposal:
     return Proposal(f"{words}: {test.words}" if test else words, "to see whether the updated model predicts it", test)
 
 
-def more_of_what_is_left(bench: Bench, maps: Sequence[ErrorMap], forces: Sequence[MissingForce]) -> Proposal:
+def more_of_what_is_left(
+    bench: Bench, maps: Sequence[ErrorMap], forces: Sequence[MissingForce], located: Located | None
+) -> Proposal:
     """Where and when nothing explains the motion, seen longer and at another level.
 
     Args:
         bench: the records so far.
         maps: errors of the best model.
         forces: that the calibrated model lacks.
+        located: where one of them would explain it, if that was looked for.
     """
     parts = []
     band = bench.band
@@ -107,16 +111,23 @@ def more_of_what_is_left(bench: Bench, maps: Sequence[ErrorMap], forces: Sequenc
         middle = float(worst.frequency[line])
         band = candidates.about(middle, band)
         parts.append(f"the model misses most about {middle:.3g} Hz in {worst.record}")
-    if forces:
-        most = max(forces, key=lambda force: float(force.force.std()))
-        parts.append(f"the force that is missing is largest at {most.place}")
+    place = _place(forces, located)
+    if place:
+        parts.append(f"the force that is missing acts at {place}")
     test = candidates.steady(bench, COSTS, 0.5, band, "level") if bench.level else None
-    near = f", with a sensor at {most.place}" if forces else ""
+    near = f", with a sensor at {place}" if place else ""
     return Proposal(
         f"half the level and the same level again, in a narrow band{near}",
         "; ".join([*parts, "how what is left grows with the level, and what it does at its place, tells its kind"]),
         test,
     )
+
+
+def _place(forces: Sequence[MissingForce], located: Located | None) -> str:
+    """Where the missing force acts; empty where no one place is told."""
+    if located is not None:
+        return "" if located.sensor else located.where
+    return max(forces, key=lambda force: float(force.force.std())).place if forces else ""
 
 
 def _beyond(error_map: ErrorMap) -> FloatArray:

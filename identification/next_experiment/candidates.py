@@ -61,12 +61,13 @@ def in_bands(bench: Bench, costs: Costs, bands: Mapping[str, tuple[float, float]
 
 
 def about(centre: float, band: tuple[float, float]) -> tuple[float, float]:
-    """A narrow band about a frequency, Hz, within another.
+    """A narrow band about a frequency, Hz, within another, at whose edge it stands where the frequency lies outside.
 
     Args:
         centre: its middle, Hz.
-        band: that holds it, Hz.
+        band: of the excitation, Hz.
     """
+    centre = min(max(centre, band[0]), band[1])
     low = max(band[0], centre / ABOVE)
     return low, min(max(ABOVE * centre, low + LEAST_WIDTH), band[1])
 

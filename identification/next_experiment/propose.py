@@ -6,6 +6,7 @@ from dataclasses import replace
 from identification.evaluate import LEAST_NOISE, Evaluator, TimeTarget
 from identification.evidence import Ranked
 from identification.hypothesis import Hypothesis
+from identification.locating.located import Located
 from identification.next_experiment.advice import (
     CHAOTIC,
     another_kind,
@@ -35,6 +36,7 @@ def next_experiment(
     *,
     maps: Sequence[ErrorMap] = (),
     forces: Sequence[MissingForce] = (),
+    located: Located | None = None,
     kept_aside: bool = False,
 ) -> Proposal:
     """What to measure next to learn most.
@@ -46,6 +48,7 @@ def next_experiment(
         model: the final one.
         maps: its errors.
         forces: that the calibrated model lacks.
+        located: where one of them would explain what it leaves, if that was looked for.
         kept_aside: whether the model was tried on records that the fit had not seen.
     """
     if not session.everything.timed:
@@ -58,7 +61,15 @@ def next_experiment(
                 f"weighing tests that could tell {' from '.join(rival.effect.label() for rival in rivals)}"
             )
             return replace(_told_apart(session, bench, rivals, ranked[0].fit.ratio), noise=_noise(bench))
-    return replace(_without_a_group(session, verdict, bench, model, maps, forces, kept_aside), noise=_noise(bench))
+    if any(limit.growth > CHAOTIC for limit in session.limits):
+        proposal = lower_level(session.everything, bench, model)
+    elif verdict == "unexplained":
+        proposal = more_of_what_is_left(bench, maps, forces, located)
+    elif verdict == "complete" or kept_aside:
+        proposal = higher_level(session.everything, bench, model, known=verdict != "complete")
+    else:
+        proposal = another_kind(bench)
+    return replace(proposal, noise=_noise(bench))
 
 
 def _noise(bench: Bench) -> dict[str, float]:
@@ -111,21 +122,3 @@ MOST_SECONDS = 6.0
 def _cut(target: TimeTarget, share: float) -> TimeTarget:
     short = target.cut(round(share * target.record.n_samples))
     return replace(short, density=short.density * short.record.n_samples / target.record.n_samples)
-
-
-def _without_a_group(
-    session: Session,
-    verdict: Verdict,
-    bench: Bench,
-    model: Hypothesis,
-    maps: Sequence[ErrorMap],
-    forces: Sequence[MissingForce],
-    kept_aside: bool,  # noqa: FBT001
-) -> Proposal:
-    if any(limit.growth > CHAOTIC for limit in session.limits):
-        return lower_level(session.everything, bench, model)
-    if verdict == "unexplained":
-        return more_of_what_is_left(bench, maps, forces)
-    if verdict == "complete" or kept_aside:
-        return higher_level(session.everything, bench, model, known=verdict != "complete")
-    return another_kind(bench)

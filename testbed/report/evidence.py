@@ -71,7 +71,7 @@ def evidence_picture(diagnosis: Diagnosis, rig: Rig, place: Picture | None) -> P
     Args:
         diagnosis: finished.
         rig: as its owner describes it.
-        place: of the missing force, where it was located.
+        place: of the missing force, where it was located; for a named effect only where it sits there.
 
     Returns:
         None where no time record was learnt from, or where the place alone could show it and was not found.
@@ -85,8 +85,17 @@ def evidence_picture(diagnosis: Diagnosis, rig: Rig, place: Picture | None) -> P
     effect = diagnosis.added[0].effect
     if effect.family == "measurement" and not effect.record_parameters:
         return channel_picture(diagnosis, effect)
-    acts_somewhere = effect.place.sleeve is not None or effect.place.position is not None
-    return place if acts_somewhere and effect.family != "time" else left_picture(diagnosis, rig)
+    if effect.place.position is None or effect.family == "time":
+        return left_picture(diagnosis, rig)
+    return place if place is None or _is_located(diagnosis, effect) else left_picture(diagnosis, rig)
+
+
+def _is_located(diagnosis: Diagnosis, effect: Effect) -> bool:
+    """Whether the force, located without a law, sits where the effect was found."""
+    found, position = diagnosis.located, effect.place.position
+    if found is None or found.interval is None or position is None:
+        return False
+    return found.interval[0] <= position <= found.interval[1]
 
 
 def left_picture(diagnosis: Diagnosis, rig: Rig) -> Picture:

@@ -1,11 +1,13 @@
 """Numbers and verdicts as a person reads them."""
 
+from collections.abc import Sequence
 from math import floor, isfinite, log10
 
 import numpy as np
 
+from identification.locating.located import PlacedForce
 from identification.reached import ERROR_REACHED
-from identification.result import Diagnosis, Estimate, Score, Stage
+from identification.result import Diagnosis, Estimate, MissingForce, Score, Stage
 
 COUNTS = ("no effect", "one effect", "two effects", "three effects", "four effects", "five effects")
 
@@ -121,11 +123,33 @@ def second_line(diagnosis: Diagnosis) -> str:
         parts += [f"{told[0].upper()}{told[1:]}." for told in diagnosis.not_predicted]
     else:
         parts.append("No record was kept aside, so nothing here was tested on data the fit has not seen.")
-    if diagnosis.verdict == "unexplained" and diagnosis.missing_forces:
-        most = max(diagnosis.missing_forces, key=lambda force: float(force.force.std()))
-        size = number(float(most.force.std()))
-        parts.append(f"The unexplained force is largest {at(most.place)}: {size} N rms in {most.record}.")
+    if diagnosis.verdict == "unexplained":
+        parts += _unexplained_force(diagnosis)
     return " ".join(parts)
+
+
+def _unexplained_force(diagnosis: Diagnosis) -> list[str]:
+    """Where it acts, by the profile along the beam, and when it is largest; at the laws' places where there is none."""
+    found = diagnosis.located
+    if found is not None and found.where:
+        where = f"What is left lies in channel {found.sensor}" if found.sensor else f"It acts at {found.where}"
+        return [f"{where}{_largest(found.forces)}."]
+    if found is not None:
+        return [f"Where along the beam: {found.words}."]
+    if not diagnosis.missing_forces:
+        return []
+    most = max(diagnosis.missing_forces, key=lambda force: float(force.force.std()))
+    return [f"The unexplained force is largest {at(most.place)}{_largest(diagnosis.missing_forces)}."]
+
+
+def _largest(forces: Sequence[PlacedForce | MissingForce]) -> str:
+    """Its size in the record in which it is largest, and when it is largest there; empty without a force."""
+    if not forces:
+        return ""
+    most = max(forces, key=lambda force: float(force.force.std()))
+    moment = int(np.argmax(np.abs(most.force))) / most.fs
+    size = number(float(f"{most.force.std():.3g}"))
+    return f", {size} N rms in {most.record} and largest there at {moment:.3g} s"
 
 
 def at(place: str) -> str:

@@ -78,7 +78,6 @@ def _content(diagnosis: Diagnosis, rig: Rig, provenance: Provenance) -> dict[str
     pulls = rig_pulls(diagnosis.rig_estimates, rig)
     candidates = candidate_rows(diagnosis)
     shown, learned = shown_records(diagnosis), diagnosis.final.score.records
-    contradictions = [finding.words for finding in diagnosis.calibration]
     frfs, forces = frf_pictures(diagnosis, rig), force_pictures(diagnosis, rig)
     place = place_picture(diagnosis, rig)
     return {
@@ -113,8 +112,8 @@ def _content(diagnosis: Diagnosis, rig: Rig, provenance: Provenance) -> dict[str
         "option_heads": HEADS,
         "excitation": excitation_rows(diagnosis.next_experiment),
         "decisions": diagnosis.decisions,
-        "calibration": contradictions,
-        "findings": [finding for finding in diagnosis.findings if finding not in contradictions],
+        "calibration": [finding.words for finding in diagnosis.calibration],
+        "findings": diagnosis.findings,
         "provenance": provenance,
         "defaults": default_rows(diagnosis, rig),
     }

@@ -7,6 +7,7 @@ from made_up_diagnosis import made_up_diagnosis
 
 from identification.consistency.finding import CalibrationFinding
 from models.rig_file import read_rig
+from testbed.loop import diagnosis_json
 from testbed.report import Provenance, write_report
 
 MADE = Provenance("testbed diagnose", "2025-01-01T00:00:00+00:00", 7, (), ())
@@ -23,13 +24,13 @@ def rig():
 
 
 def test_a_contradiction_stands_once_and_under_its_own_head(rig, tmp_path):
-    found = made_up_diagnosis(rig)
-    found = replace(found, calibration=(DRIFT,), findings=(*found.findings, DRIFT.words))
+    found = replace(made_up_diagnosis(rig), calibration=(DRIFT,))
 
+    assert DRIFT.told in diagnosis_json(found)["where"]["findings"]
     page = write_report(found, rig, tmp_path, MADE).read_text(encoding="utf-8")
 
     assert page.count("it grows with &lt;level&gt;") == 1
-    assert page.index(HEAD) < page.index("it grows with &lt;level&gt;") < page.index("What the records' reader noticed")
+    assert page.index(HEAD) < page.index("it grows with &lt;level&gt;") < page.index("What was noticed in the records")
     assert "P4: dead" in page
 
 

@@ -8,6 +8,7 @@ from made_up_diagnosis import FILM, FRICTION, made_up_diagnosis
 
 from identification.assess import score
 from identification.hypothesis import Hypothesis
+from identification.locating.located import Located
 from identification.prepare import prepare
 from identification.result import AddedEffect, Candidate, Stage
 from models.effects import Place
@@ -36,6 +37,12 @@ def found(effect, verdict="missing_effect"):
     stages = tuple(Stage(label, model, score(evaluator, model)) for label, model in models.items())
     made_up = made_up_diagnosis(RIG, record, verdict)
     return replace(made_up, stages=stages, added=(AddedEffect(effect, 0.97, ()),), candidates=(), indistinguishable=())
+
+
+def located(interval):
+    """One force at sleeve 2 or elsewhere explains it."""
+    none = np.zeros(0)
+    return Located(none, none, (), 5.0, 1.0, sum(interval) / 2.0, interval, None, None, 0.99, True, "", (), None)
 
 
 @pytest.fixture(scope="module")
@@ -85,14 +92,21 @@ def test_bands_in_which_nothing_moves_say_nothing():
         (ForceGain(Place(), gain=1.1), "Measured over calibrated model, every channel"),
         (MainsHum(Place(), frequency=50.0, amplitude=0.3), "What the models leave of"),
         (ModalDamping(Place(), ratio=2.0), "What the models leave of"),
-        (FILM, PLACE.alt),
+        (FILM, "What the models leave of"),
     ],
     ids=lambda each: getattr(each, "kind", ""),
 )
 def test_the_picture_is_of_where_the_effect_shows(effect, shown):
-    drawn = evidence_picture(found(effect), RIG, PLACE)
+    drawn = evidence_picture(replace(found(effect), located=located((0.4, 0.6))), RIG, PLACE)
 
     assert drawn.alt.startswith(shown)
+
+
+def test_the_place_speaks_for_what_sits_there_and_only_for_that():
+    at_sleeve = found(FILM)
+
+    assert evidence_picture(replace(at_sleeve, located=located((0.9, 1.1))), RIG, PLACE) is PLACE
+    assert evidence_picture(at_sleeve, RIG, None) is None
 
 
 def test_a_complete_model_is_shown_at_its_noise_and_an_unexplained_force_at_its_place(late):

@@ -12,6 +12,7 @@ from identification.locating.located import Curve, FreedChannel, Located, Placed
 from models.rig_file import read_rig
 from testbed.loop import diagnosis_json
 from testbed.report import provenance, write_report
+from testbed.report.words import second_line
 
 RIG = Path("tests/data/reference_rig.toml")
 WORDS = "one force at sleeve 2, 1.000 m from the clamp explains 93% of the misfit"
@@ -98,3 +99,28 @@ def test_without_a_place_neither_speaks_of_one(tmp_path):
         "Place of the missing force"
         not in write_report(bare, rig, tmp_path, provenance(RIG, [], 0, "testbed diagnose")).read_text()
     )
+
+
+def test_a_place_elsewhere_than_the_effect_is_no_evidence_for_it(diagnosis, tmp_path):
+    elsewhere = replace(diagnosis, located=replace(made_up_place(), place=0.5, interval=(0.48, 0.52), sleeve=None))
+
+    above, below = pictures_of(elsewhere, tmp_path)
+
+    assert above[1].startswith("What the models leave of P1")
+    assert f"Place of the missing force: {WORDS}" in below
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({}, "It acts at sleeve 2, 0.516 N rms in sweep.csv and largest there at 1.57 s."),
+        ({"sleeve": None}, "It acts at 1 m, 0.516 N rms"),
+        ({"enough": False}, f"Where along the beam: {WORDS}."),
+        ({"place": None, "sensor": "P4", "forces": ()}, "What is left lies in channel P4."),
+    ],
+)
+def test_what_is_unexplained_is_placed_by_the_profile_and_in_time(diagnosis, changes, words):
+    located = replace(made_up_place(), **changes)
+    found = replace(diagnosis, verdict="unexplained", added=(), stages=diagnosis.stages[:2], located=located)
+
+    assert words in second_line(found)

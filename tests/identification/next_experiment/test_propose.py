@@ -8,6 +8,7 @@ from rival_scenes import SIGMA, bench_of, built, ranked_on
 
 from identification.evaluate import Evaluator
 from identification.hypothesis import Hypothesis
+from identification.locating.located import Located
 from identification.next_experiment.advice import CHAOTIC, LOWER
 from identification.next_experiment.candidates import steady
 from identification.next_experiment.costs import COSTS, LIMITS
@@ -101,7 +102,23 @@ def test_what_is_unexplained_is_looked_at_where_it_is():
     assert told.test.excitation["low"] < 60.0 < told.test.excitation["high"]
     assert told.test.excitation["rms"] == pytest.approx(2.5, rel=0.01)
     assert "60 Hz" in told.why
-    assert "mass" in told.why
+    assert "acts at mass" in told.why
+
+
+@pytest.mark.parametrize(
+    ("enough", "sensor", "words"), [(True, None, "a sensor at 0.626 m"), (False, None, ""), (True, "P1", "")]
+)
+def test_a_sensor_is_put_where_one_force_explains_it_and_nowhere_else(enough, sensor, words):
+    model, evaluator = oscillators_record()
+    force = MissingForce("mass", "test", np.zeros(9), np.zeros(9), np.arange(9.0), 100.0)
+    none = np.zeros(0)
+    place = None if sensor else 0.626
+    located = Located(none, none, (), 5.0, 1.0, place, None, None, sensor, 0.99, enough, "", (), None)
+
+    told = next_experiment(session_of(evaluator), "unexplained", [], model, forces=[force], located=located)
+
+    assert ("with a sensor at" in told.do) == bool(words)
+    assert words in told.do
 
 
 def test_a_group_is_told_apart_by_a_weighed_test():
