@@ -24,7 +24,14 @@ from identification.locating.located import Located
 from identification.maps import error_map
 from identification.missing_force import forces_of
 from identification.next_experiment.propose import next_experiment
-from identification.outcome import AT_REST_ONLY, added_effects, candidates_of, groups_of, rig_estimates
+from identification.outcome import (
+    AT_REST_ONLY,
+    added_effects,
+    candidates_of,
+    distinct,
+    groups_of,
+    rig_estimates,
+)
 from identification.prepare import cut_to
 from identification.result import Diagnosis, Stage, Verdict
 from identification.session import Session
@@ -94,11 +101,13 @@ def concluded(
     if session.relearnt:
         stages = [session.stage(stage.label, stage.hypothesis) for stage in stages]
     calibrated = next(stage for stage in reversed(stages) if stage.label == "calibrated")
+    rounds = [distinct(ranked) for ranked in rounds]
     first = rounds[0] if rounds else []
     chances = probabilities([r.log_evidence for r in first] + [_nothing(first, final)]) if first else []
     later = [(ranked, probabilities([r.log_evidence for r in ranked])) for ranked in rounds[1:] if ranked]
     weighed = [(first, chances), *later] if first else later
-    groups = tuple(dict.fromkeys(group for ranked, odds in weighed for group in groups_of(ranked, odds)))
+    standing = weighed[: len(final.hypothesis.effects)]  # rounds in which nothing was taken may follow
+    groups = tuple(dict.fromkeys(group for ranked, odds in standing for group in groups_of(ranked, odds)))
     session.progress("locating the force that the calibrated model lacks")
     heard = _heard(session)
     beside = runs_beside(heard, calibrated.hypothesis)
@@ -109,7 +118,7 @@ def concluded(
     proposal = next_experiment(
         session,
         verdict,
-        weighed,
+        standing,
         polished.hypothesis,
         maps=updated_maps,
         forces=forces,

@@ -8,7 +8,9 @@ from identification.evidence import Ranked, misfit_in_common, probabilities
 from identification.fit import Fit
 from identification.hypothesis import EffectUnknown, PlaceUnknown, RigUnknown
 from identification.result import AddedEffect, Candidate, Estimate
+from identification.scene import is_same_place
 from models.effects import Effect
+from models.rig import Rig
 
 TELLABLE = 0.02
 """Candidates with a larger share of the probability than this cannot be excluded."""
@@ -94,6 +96,25 @@ def candidates_of(ranked: Sequence[Ranked], chances: Sequence[float], evaluator:
         )
         for r, chance in zip(ranked, chances, strict=False)
     )
+
+
+def distinct(ranked: Sequence[Ranked]) -> list[Ranked]:
+    """The rows of a round without those of a kind at a place where a better one of that kind is: they are one finding.
+
+    Args:
+        ranked: of the round, the best first.
+    """
+    kept: list[Ranked] = []
+    for row in ranked:
+        if not any(_is_one(row.effect, other.effect, row.fit.hypothesis.rig) for other in kept):
+            kept.append(row)
+    return kept
+
+
+def _is_one(one: Effect, other: Effect, rig: Rig) -> bool:
+    """Whether a table of effects names both alike, but for a place that no fit tells from the other."""
+    options = all(getattr(one, key) == getattr(other, key, None) for key in one.options)
+    return one.kind == other.kind and options and is_same_place(one.place, other.place, rig)
 
 
 def groups_of(ranked: Sequence[Ranked], chances: Sequence[float]) -> tuple[tuple[Effect, ...], ...]:

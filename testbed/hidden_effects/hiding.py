@@ -13,7 +13,7 @@ from testbed.hidden_effects.outside import OUTSIDE_LAWS
 from testbed.hidden_effects.places import draw_place, is_apart, scene_at
 from testbed.hidden_effects.plan import KINDS, NOTHING, OUTSIDE, TWO, Task
 from testbed.hidden_effects.sets import EACH_OF_TWO, FEW, FEW_SHARE, MANY, MOST
-from testbed.hidden_effects.sizes import ROUNDS, sized
+from testbed.hidden_effects.sizes import ROUNDS, on_the_beam, sized
 from testbed.hidden_effects.tolerated import tolerated
 from testbed.hidden_effects.trials import Trial
 
@@ -108,5 +108,5 @@ def _one(
             return None
         found = sized(trials[int(rng.integers(len(trials)))], imitation, wanted, rng)
         if found is not None and not tolerated(found[0], trial.rig, built):
-            return found
+            return on_the_beam(found[0], built.structure.length), found[1]
     return None

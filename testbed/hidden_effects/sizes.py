@@ -117,3 +117,16 @@ def jittered(effect: Effect, rng: np.random.Generator, spread: float) -> Effect:
             moved = about.upper**2 / moved
         values[i] = np.clip(moved, about.lower, about.upper)
     return effect.with_fitted(values)
+
+
+def on_the_beam(effect: Effect, length: float) -> Effect:
+    """The effect with its positions as they act: one beyond the free end is the free end.
+
+    Args:
+        effect: of any kind.
+        length: of the beam, m.
+    """
+    values = effect.fitted_values()
+    for i, (_, about) in enumerate(effect.fitted_parameters()):
+        values[i] = min(values[i], length) if about.on_beam else values[i]
+    return effect.with_fitted(values)

@@ -14,12 +14,15 @@ from identification.outcome import (
     LARGEST_LOG_STD,
     added_effects,
     candidates_of,
+    distinct,
     effect_estimates,
     groups_of,
     rig_estimates,
 )
 from models.effects import Place
 from models.effects.breathing_crack import BreathingCrack
+from models.effects.contact_stiffness import ContactStiffness
+from models.effects.coulomb_friction import CoulombFriction
 from models.effects.point_damping import PointDamping
 from models.effects.point_mass import PointMass
 from models.effects.sensor_gain import SensorGain
@@ -142,3 +145,27 @@ def test_what_predicts_the_same_is_one_group_whatever_was_known_beforehand():
     rows = [ranked(MASS), ranked(DAMPING), ranked(GAIN, ratio=1.1)]
 
     assert groups_of(rows, [0.998, 0.001, 0.001]) == ((MASS, DAMPING),)
+
+
+SLEEVE = REFERENCE.sleeves[0]
+AT_SLEEVE = Place(sleeve=SLEEVE.name, position=SLEEVE.position)
+RUB = CoulombFriction(AT_SLEEVE, friction_force=0.3, slip_velocity=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("best", "other", "is_one"),
+    [
+        (ContactStiffness(AT_SLEEVE, ratio=0.001), ContactStiffness(AT_SLEEVE, ratio=4.0), True),
+        (RUB, replace(RUB, place=Place(position=SLEEVE.position + 1e-3)), True),
+        (RUB, replace(RUB, place=Place(position=SLEEVE.position + 0.3)), False),
+        (RUB, replace(RUB, against="ground"), False),
+        (MASS, DAMPING, False),
+    ],
+)
+def test_one_kind_at_one_place_is_one_finding(best, other, is_one):
+    rows = [ranked(best, 0.0), ranked(other, -0.1)]
+
+    kept = distinct(rows)
+
+    assert kept == rows[: 1 if is_one else 2]
+    assert (len(groups_of(kept, [0.5, 0.5])) == 0) == is_one

@@ -8,6 +8,7 @@ from models.effects.clearance import Clearance
 from models.effects.contact_stiffness import ContactStiffness
 from models.effects.hertz_contact import HertzContact
 from models.effects.point_mass import PointMass
+from models.effects.sensor_position import SensorPosition
 from models.effects.youngs_modulus import YoungsModulus
 from models.plant import build_plant
 from testbed.hidden_effects.engines import engine_for
@@ -20,7 +21,7 @@ from testbed.hidden_effects.places import draw_place, is_apart, scene_at
 from testbed.hidden_effects.plan import KINDS, Task
 from testbed.hidden_effects.rigs import draw_rig
 from testbed.hidden_effects.sets import REPORTED, SETS, TUNING
-from testbed.hidden_effects.sizes import jittered, sized
+from testbed.hidden_effects.sizes import jittered, on_the_beam, sized
 from testbed.hidden_effects.tolerated import tolerated
 from testbed.hidden_effects.trials import HELD, LEARNT, draw_trial
 from testbed.hidden_effects.truth import ENGINES, FINE, MODEL, Truth, measure
@@ -211,3 +212,9 @@ def test_no_number_is_drawn_at_its_bound_where_it_would_be_another_kind():
     assert exponents.min() > 1.0
     assert exponents.max() < 4.0
     assert np.median(exponents) == pytest.approx(1.5, rel=0.1)
+
+
+@pytest.mark.parametrize(("drawn", "kept"), [(0.4, 0.4), (5.475, 1.091)])
+def test_a_sensor_is_hidden_where_the_beam_is(drawn, kept):
+    """Beyond the free end the plant reads the free end, so that is the truth to be told."""
+    assert on_the_beam(SensorPosition(Place(sensor="P1"), drawn), 1.091).position == kept
