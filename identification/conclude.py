@@ -31,6 +31,7 @@ from identification.outcome import (
     distinct,
     groups_of,
     rig_estimates,
+    tried,
 )
 from identification.prepare import cut_to
 from identification.result import Diagnosis, Stage, Verdict
@@ -100,6 +101,7 @@ def concluded(
         stages = [*before, session.stage(label, polished.hypothesis)]
     if session.relearnt:
         stages = [session.stage(stage.label, stage.hypothesis) for stage in stages]
+    among = tried(stages[-1].score)
     calibrated = next(stage for stage in reversed(stages) if stage.label == "calibrated")
     rounds = [distinct(ranked) for ranked in rounds]
     first = rounds[0] if rounds else []
@@ -127,8 +129,8 @@ def concluded(
     )
     return Diagnosis(
         verdict=verdict,
-        added=added_effects(polished, rounds),
-        candidates=candidates_of(first, chances, session.fitting),
+        added=added_effects(polished, rounds, among),
+        candidates=candidates_of(first, chances, session.fitting, among),
         indistinguishable=groups if verdict == "missing_effect" else (),
         stages=tuple(stages),
         holdout=kept.scores,

@@ -127,7 +127,7 @@ class Candidate:
     Attributes:
         effect: with its fitted values.
         probability: among all that were judged in the same round, "nothing more" included, less what is kept for what
-            was not judged (``outcome.UNTRIED``).
+            was not judged (``outcome.tried``).
         nrmse: error of the model with it on the records it was judged on.
         log_evidence: natural logarithm, relative to the best of the round.
         refitted: False where only the screening judged it; its nrmse is then an estimate.

@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from identification.outcome import UNTRIED
+from identification.outcome import NOISE_MET, UNTRIED, UNTRIED_BEYOND
 from testbed.hidden_effects.bars import ENOUGH, ENOUGH_NOTHING, interval_of, threads_of
 from testbed.hidden_effects.judge import LARGEST_GROUP, NEAR
 from testbed.hidden_effects.plan import NOTHING, OUTSIDE
-from testbed.hidden_effects.scores import CLASSES, FAR, ONE, STAGES, beliefs_of
+from testbed.hidden_effects.scores import CLASSES, FAR, ONE, STAGES, TAUGHT_UNTIL, beliefs_of
 from testbed.hidden_effects.sets import BEFORE, FEW, MANY, MOST, SETS, SNR, Batch
 from testbed.hidden_effects.trials import MOST_AMPLIFICATION, MOST_GROWTH
 from testbed.outputs import Json
@@ -48,8 +48,10 @@ seed 19387 ran and two of its cases were done, both right.
 BELIEVED = f"""\
 Of every case in which an effect was named, whatever was hidden: the probability of the first one, and whether it is
 there, as the diagnosis of its batch said it. A bin of few cases tests little. Where the interval lies below what was
-believed, the diagnosis was too sure of itself, as it was in the first batches: since then {UNTRIED:.0%} of every
-probability are kept for what was not judged, and the batches since then are told apart from those before.
+believed, the diagnosis was too sure of itself, as it was in the first batches: since then a share of every probability
+is kept for what was not judged, and the batches since then are told apart from those before. Up to seed {TAUGHT_UNTIL}
+and in the next it was {UNTRIED:.0%} of all; since then it is {UNTRIED_BEYOND:.0%} where the model that stands leaves
+more than {NOISE_MET:g} times the noise.
 """
 
 FARTHEST = f"""\
@@ -117,6 +119,7 @@ def page_of(summary: Json, explained: Mapping[str, str], command: str) -> str:
             lines += ["", BELIEVED]
             for heading, rows in beliefs_of(summary).items():
                 lines += [f"{heading[0].upper()}{heading[1:]}:", "", *_beliefs(rows), ""] if rows else []
+            lines += _by_what_is_left(summary["by_what_is_left"])
     lines += ["", "## Numbers", "", *_numbers(summary["numbers"])]
     missed = sorted(summary["misses"], key=lambda row: (str(row["kind"]) in (NOTHING, OUTSIDE), row["case"]))
     lines += ["", "## Missed, one by one", "", *_misses(missed, explained)]
@@ -176,6 +179,17 @@ def _beliefs(bins: list[Json]) -> Iterator[str]:
         yield f"| {row['believed']:.4f} | {row['right']} | {row['cases']} | {low:.2f} to {high:.2f} |"
 
 
+def _by_what_is_left(rows: list[Json]) -> Iterator[str]:
+    """How often the first effect is there by what is left, in the batches that taught it and in those since."""
+    yield "By what the model that stands leaves of all records:"
+    yield ""
+    yield from _heads(("batches", "left", "there", "of"))
+    for row in rows:
+        batches = "that taught it" if row["taught"] else "since"
+        left = "at most" if row["met"] else "more than"
+        yield f"| {batches} | {left} {NOISE_MET:g} times the noise | {row['right']} | {row['cases']} |"
+
+
 def _rows(summary: Json) -> Iterator[str]:
     groups = [name for name, row in summary.items() if isinstance(row, dict) and "right_share" in row]
     yield from (_row(name, summary[name]) for name in groups if summary[name]["cases"])
@@ -199,6 +213,11 @@ def _counts(summary: Json) -> Iterator[str]:
     if errors:
         yield "Place of the one effect, where it may be anywhere and its kind is right, in shares of the length:"
         yield f"median error {errors[len(errors) // 2]:.2%}, largest {errors[-1]:.2%}, of {len(errors)}."
+    place = summary["located"]
+    if place["told"]:
+        yield "The force that the calibrated model lacks, located without a law, of one effect at one place: a place"
+        yield f"was told in {place['told']} of {place['cases']} cases, within {NEAR:.0%} of the length of the true one"
+        yield f"in {place['near']}; the interval held it in {place['inside']}."
     for limit in summary["detection"]["limits"]:
         low, high = limit["snr_db"]
         if limit["ratio"] is not None:

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from identification.outcome import UNTRIED
+from identification.outcome import NOISE_MET
 from testbed.hidden_effects.bars import bars_of
 from testbed.hidden_effects.judge import NEAR
 from testbed.hidden_effects.newest import newest_of
@@ -65,6 +65,8 @@ def summary_of(cases: Sequence[Json], case_set: str) -> Json:
         "place_errors": place_errors([case for case in done if class_of(case) == ONE]),
         "calibration": calibration([c for c in named if SETS[case_set].batches[c["seed"]].keeps]),
         "calibration_before": calibration([c for c in named if not SETS[case_set].batches[c["seed"]].keeps]),
+        "by_what_is_left": by_what_is_left(named),
+        "located": located([case for case in done if len(case["hidden"]) == 1]),
         "detection": detection([c for c in done if class_of(c) == ONE]),
         "farthest": [_miss(case) for case in farthest(done)],
         "misses": [_miss(case) for case in cases if "judged" not in case or not case["judged"]["right"]],
@@ -182,6 +184,59 @@ def calibration(cases: Sequence[Json]) -> list[Json]:
     return rows
 
 
+TAUGHT_UNTIL = 20731
+"""Seed of the last of the batches from which the shares were taken that are kept by what a model leaves."""
+
+
+def by_what_is_left(cases: Sequence[Json]) -> list[Json]:
+    """How often the first effect is there by what the model that stands leaves, as far as that was told with its noise.
+
+    Args:
+        cases: in which an effect was named.
+    """
+    rows = []
+    for taught in (True, False):
+        some = [c for c in cases if (c["seed"] <= TAUGHT_UNTIL) == taught and "noise_nrmse" in _final(c)]
+        for met in (True, False):
+            alike = [c for c in some if (_final(c)["nrmse"] <= NOISE_MET * _final(c)["noise_nrmse"]) == met]
+            right = sum(first_is_there(c) for c in alike)
+            rows.append({"taught": taught, "met": met, "right": right, "cases": len(alike)})
+    return rows
+
+
+def _final(case: Json) -> Json:
+    """Errors of the model that stands."""
+    final: Json = case["diagnosis"]["error"][-1]
+    return final
+
+
+def located(cases: Sequence[Json]) -> Json:
+    """How near to the one effect the force was located that the calibrated model lacks, without a law.
+
+    Args:
+        cases: of one effect, done.
+
+    Returns:
+        counts of the ``cases`` whose effect acts at one place on the beam and of which the diagnosis looked for one;
+        of those with a place ``told``, ``near`` to the true one, and with the true one ``inside`` the interval.
+    """
+    pairs = [(case, place) for case in cases if (place := _true_place(case)) is not None]
+    looked = [(c, place) for c, place in pairs if "place" in c["diagnosis"]["where"]]
+    told = [(c, c["diagnosis"]["where"]["place"], place) for c, place in looked]
+    told = [row for row in told if row[1]["position"] is not None]
+    near = [abs(found["position"] - place) <= NEAR * c["rig"]["structure"]["length"] for c, found, place in told]
+    inside = [found["interval"][0] <= place <= found["interval"][1] for _, found, place in told]
+    return {"cases": len(looked), "told": len(told), "near": sum(near), "inside": sum(inside)}
+
+
+def _true_place(case: Json) -> float | None:
+    """Where the one effect acts, m from the clamp; None of what acts everywhere, or on a channel."""
+    (effect,) = case["hidden"]
+    if effect.get("sleeve") is not None:
+        return next(float(s["position"]) for s in case["rig"]["sleeves"] if s["name"] == effect["sleeve"])
+    return None if effect.get("sensor") is not None else effect.get("position")
+
+
 def beliefs_of(summary: Json) -> dict[str, list[Json]]:
     """What was believed and what was right, by how the probabilities were told.
 
@@ -189,7 +244,7 @@ def beliefs_of(summary: Json) -> dict[str, list[Json]]:
         summary: content of ``summary.json``.
     """
     return {
-        f"{UNTRIED:.0%} kept for what was not judged": summary["calibration"],
+        "a share kept for what was not judged": summary["calibration"],
         "batches before that, nothing kept": summary["calibration_before"],
     }
 
@@ -344,7 +399,7 @@ def _miss(case: Json) -> Json:
     return about | {
         "ratio": _ratio(case),
         "verdict": result["verdict"],
-        "in_group": result["in_group"],
+        "in_group": result["in_group"] and not result["right"],
         "found": effects,
         "after": case["held_out"]["after"],
     }

@@ -4,20 +4,24 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from trial_records import REFERENCE, evaluator_of, measured, multisine, oscillator
+from trial_records import REFERENCE, evaluator_of, measured, moved, multisine, oscillator
 
+from identification.assess import score
 from identification.evaluate import nrmse, scored_spectrum, whitened
 from identification.fit import Fit
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
 from identification.judge import Ranked
 from identification.outcome import (
     LARGEST_LOG_STD,
+    UNTRIED,
+    UNTRIED_BEYOND,
     added_effects,
     candidates_of,
     distinct,
     effect_estimates,
     groups_of,
     rig_estimates,
+    tried,
 )
 from models.effects import Place
 from models.effects.breathing_crack import BreathingCrack
@@ -110,7 +114,7 @@ def test_each_of_two_effects_has_its_own_numbers():
 def test_an_added_effect_has_the_probability_of_its_own_round():
     rounds = [[ranked(GAIN, 0.0), ranked(MASS, -np.log(3.0))], [ranked(MASS, 0.0)]]
 
-    first, second = added_effects(effect_fit(GAIN, MASS), rounds)
+    first, second = added_effects(effect_fit(GAIN, MASS), rounds, 0.97)
 
     assert (first.effect, first.probability) == (GAIN, pytest.approx(0.97 * 0.75))
     assert (second.effect, second.probability) == (MASS, pytest.approx(0.97))  # the rest is for what was not judged
@@ -125,7 +129,7 @@ def test_candidates_stand_beside_the_best_with_errors_of_the_records():
     fitted, ruled_out = ranked(MASS, -50.0), replace(ranked(GAIN, -53.0, ratio=2.0), refitted=False)
     fitted = replace(fitted, fit=replace(fitted.fit, residual=residual))
 
-    best, other = candidates_of([fitted, ruled_out], [0.9, 0.05, 0.05], evaluator)
+    best, other = candidates_of([fitted, ruled_out], [0.9, 0.05, 0.05], evaluator, 0.97)
 
     assert (best.log_evidence, other.log_evidence) == (0.0, -3.0)
     assert best.nrmse == pytest.approx(nrmse(scored_spectrum(left), target.measured))
@@ -169,3 +173,14 @@ def test_one_kind_at_one_place_is_one_finding(best, other, is_one):
 
     assert kept == rows[: 1 if is_one else 2]
     assert (len(groups_of(kept, [0.5, 0.5])) == 0) == is_one
+
+
+def test_less_is_believed_where_more_than_the_noise_is_left():
+    record, noise = measured(Hypothesis(REFERENCE), multisine(512))
+    evaluator = evaluator_of((record, noise))
+    off = moved(REFERENCE, 1.0, *[0.0] * (len(REFERENCE.parameters()) - 1))
+    met, beyond = score(evaluator, Hypothesis(REFERENCE)), score(evaluator, off)
+
+    assert tried(met) == 1.0 - UNTRIED
+    assert beyond.nrmse > 1.1 * beyond.noise_nrmse
+    assert tried(beyond) == 1.0 - UNTRIED_BEYOND

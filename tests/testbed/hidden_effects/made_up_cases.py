@@ -8,10 +8,26 @@ SEED, *_ = REPORTED.batches
 
 
 def made_up(
-    kind, number, *, seed=SEED, right=True, named=None, after=1.0, ratio=8.0, inside=True, engine="fine", **more
+    kind,
+    number,
+    *,
+    seed=SEED,
+    right=True,
+    named=None,
+    after=1.0,
+    ratio=8.0,
+    inside=True,
+    engine="fine",
+    left=1.0,
+    place=None,
+    **more,
 ):
     """One case of the set ``reported``."""
-    hidden = [] if kind == "nothing" else [{"kind": kind if kind not in ("two", "outside") else "one_sided_stop"}]
+    hidden = (
+        []
+        if kind == "nothing"
+        else [{"kind": kind if kind not in ("two", "outside") else "one_sided_stop", "position": 0.5}]
+    )
     verdict = {"nothing": "complete", "outside": "unexplained"}.get(kind, "missing_effect")
     if not right:
         verdict = "missing_effect" if kind in ("nothing", "outside") else "unexplained"
@@ -44,7 +60,12 @@ def made_up(
         "calibrated_ratio": ratio,
         "held_out": {"before": 20.0, "calibrated": ratio, "after": after, "noise_nrmse": 0.007},
         "seconds": {"draw": 30.0, "diagnosis": 25.0 + number, "threads": 2},
-        "diagnosis": {"effects": [{"kind": name, "position": 0.5}] if verdict == "missing_effect" else []},
+        "rig": {"structure": {"length": 1.0}, "sleeves": [{"name": "sleeve 1", "position": 0.31}]},
+        "diagnosis": {
+            "effects": [{"kind": name, "position": 0.5}] if verdict == "missing_effect" else [],
+            "error": [{"model": "last", "nrmse": 0.007 * left, "noise_nrmse": 0.007}],
+            "where": {} if place is None else {"place": {"position": place, "interval": [place - 0.02, place + 0.02]}},
+        },
         **more,
     }
 

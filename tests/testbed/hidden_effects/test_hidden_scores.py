@@ -2,7 +2,7 @@ import pytest
 from made_up_cases import SEED, every_bar_met, failed, made_up
 
 from testbed.hidden_effects.page import page_of
-from testbed.hidden_effects.scores import beliefs_of, calibration, in_a_line, seconds, summary_of
+from testbed.hidden_effects.scores import beliefs_of, calibration, in_a_line, located, seconds, summary_of
 from testbed.hidden_effects.sets import REPORTED
 
 *_, LATER = REPORTED.batches
@@ -185,3 +185,36 @@ def test_only_shares_of_cases_that_are_there_have_an_interval():
     summary = summary_of([made_up("nothing", 0)], "reported")
     assert bar(summary, "seconds")["interval"] is None
     assert bar(summary, "both of two")["interval"] is None
+
+
+def test_what_is_left_is_held_against_what_is_there_by_batch():
+    cases = [made_up("point_mass", n) for n in range(3)] + [named_wrongly("point_mass", 9, 0.97)]
+    cases += [made_up("point_mass", 0, seed=LATER, left=1.2), made_up("nothing", 0, seed=LATER)]
+
+    rows = summary_of(cases, "reported")["by_what_is_left"]
+
+    counts = {(row["taught"], row["met"]): (row["right"], row["cases"]) for row in rows}
+    assert counts == {(True, True): (3, 4), (True, False): (0, 0), (False, True): (0, 0), (False, False): (1, 1)}
+
+
+def test_a_located_force_is_near_and_inside_or_elsewhere():
+    cases = [made_up("point_mass", n, place=place) for n, place in enumerate((0.51, 0.54, 0.8))]
+    cases.append(made_up("point_mass", 3))
+    cases[2]["diagnosis"]["where"]["place"]["position"] = None  # in a channel
+
+    assert located(cases) == {"cases": 3, "told": 2, "near": 2, "inside": 1}
+
+
+def test_an_effect_at_a_sleeve_is_where_the_sleeve_is():
+    case = made_up("wear", 0, place=0.3)
+    case["hidden"] = [{"kind": "wear", "sleeve": "sleeve 1"}]
+
+    assert located([case]) == {"cases": 1, "told": 1, "near": 1, "inside": 1}
+    case["hidden"] = [{"kind": "sensor_position", "sensor": "P1", "position": 0.3}]
+    assert located([case])["cases"] == 0
+
+
+def test_a_right_case_is_in_no_group_of_its_own():
+    (far,) = summary_of([made_up("point_mass", 0, after=9.0)], "reported")["farthest"]
+
+    assert not far["in_group"]
