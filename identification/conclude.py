@@ -5,7 +5,7 @@ from time import perf_counter
 
 import numpy as np
 
-from identification.consistency.find import calibration_findings
+from identification.consistency.find import beyond_models, calibration_findings
 from identification.consistency.finding import CalibrationFinding
 from identification.evaluate import Evaluator
 from identification.evidence import (
@@ -42,14 +42,19 @@ from models.simulate import Settings, Trace
 
 
 def one_set_of_numbers(session: Session, calibrated: Fit, verdict: Verdict) -> tuple[CalibrationFinding, ...]:
-    """What the calibrated model's numbers contradict, told where something is missing."""
+    """What the calibrated model's numbers contradict, told where something is missing.
+
+    Where nothing is, what two ways to compute the same rig differ by is no contradiction.
+    """
     session.progress("holding the calibrated numbers against tolerances, records, times and modes")
     try:
         found = calibration_findings(session.fitting, calibrated, np.random.default_rng(session.seed))
     except ArithmeticError as lost:
         session.decide(f"the calibrated numbers were not held against each other: {lost}")
         return ()
-    for each in found if verdict != "complete" else ():
+    if verdict == "complete":
+        return beyond_models(found, calibrated)
+    for each in found:
         session.progress(each.told)
     return found
 

@@ -20,6 +20,7 @@ from identification.consistency.modes import ModeBands, clearly_larger, missed_m
 from identification.consistency.noise_seen import Scatter
 from identification.consistency.own_values import Groups, OwnValues, Parts
 from identification.evaluate import Evaluator, TimeTarget
+from identification.evidence import unit_of
 from identification.fit import Fit
 from identification.hypothesis import LARGEST_SIGMA, RigUnknown, coordinates
 from identification.intervals import finer
@@ -68,6 +69,20 @@ def calibration_findings(evaluator: Evaluator, found: Fit, rng: np.random.Genera
     again = _findings(evaluator, replace(found, residual=residual), rng)
     both = {(finding.what, finding.number) for finding in first}
     return tuple(finding for finding in again if (finding.what, finding.number) in both)
+
+
+def beyond_models(findings: Sequence[CalibrationFinding], found: Fit) -> tuple[CalibrationFinding, ...]:
+    """Those that two ways to compute the same rig do not make between them, where the noise is reached.
+
+    Nothing else is left then that could make them: a Young's modulus that two converged codes tell 0.05 % apart is five
+    and more deviations of the noise. Numbers that left their tolerance are held against that, not against the noise.
+
+    Args:
+        findings: of the calibrated model.
+        found: that model, whose residual is the noise.
+    """
+    least = least_sigma(FALSE_ALARM, len(findings)) * np.sqrt(unit_of(found.repeats, found.ratio, found.n_data))
+    return tuple(each for each in findings if each.what == "tolerance" or each.sigma > least)
 
 
 def pushed_out(evaluator: Evaluator, found: Fit, rng: np.random.Generator) -> list[RigUnknown]:
