@@ -18,8 +18,9 @@ by finite elements alone, since the others refuse them. Eight channels and the f
 of noise each. Learnt from are multisines at two levels and the decay after a hammer's blow, 40 s; held out are 8 s of
 another multisine. Hidden is nothing, one effect, two, or a law outside the library; drawn is a calibrated error of
 {FEW:g} to {MOST:g} times the noise, below {MANY:g} in a third of the cases, by the modal model; the engine and the
-diagnosis's own calibration make it a little less or more. Tuning and reported cases have other seeds
-and generators (`testbed/hidden_effects/sets.py`). Two swapped sensors, which have no size to draw, are never hidden.
+diagnosis's own calibration make it less or more, from 0.8 to 58 times in the first 447 cases, where 2 % are below
+{FEW:g} and 4 % above {MOST:g}. Tuning and reported cases have other seeds and generators
+(`testbed/hidden_effects/sets.py`). Two swapped sensors, which have no size to draw, are never hidden.
 
 *Right*: the verdict, and the effect added first has the true kind at the true sleeve or within {NEAR:.0%} of the
 length; of two, both were found; with nothing hidden `complete`, outside the library `unexplained`. *In a group*:

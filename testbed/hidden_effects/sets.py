@@ -1,7 +1,10 @@
 """The two sets of cases: one to tune the diagnosis on, one to report, with other seeds and other generators.
 
-Spans, seeds and shares of both were fixed before anything was tuned. How far a size is searched until it shows as much
-as was drawn, and how finely an engine resolves, were mended while seeds before the first batch that counts were spent.
+Spans and shares of both were fixed before anything was tuned; the tuning set has kept its seed, and each batch of
+reported cases was given one before any of its cases was drawn. The first two batches that count were kept as such after
+their cases were known, when earlier seeds, of other diagnoses, were put aside. How far a size is searched until it
+shows as much as was drawn, and how finely an engine resolves, were mended while seeds before the first batch that
+counts were spent.
 The search begins at the library's own trial values; those of ``absorber`` were changed after the first batch, whose
 absorbers come out otherwise when they are drawn again.
 
