@@ -67,10 +67,19 @@ def settled(session: Session, final: Fit) -> Fit:
         final: the model that stands, fitted to a part of them.
     """
     ended = session.to_the_end(final)
+    if ended.unfinished > UNFINISHED:
+        session.decide(
+            f"the last fit stopped before its end: were the model linear there, a step more would take away "
+            f"{ended.unfinished:.1%} of what is left; its numbers may still move by more than their intervals"
+        )
     last = unstrained(session.all_predicted, ended)
     if words := moved_back(ended, last):
         session.decide(words)
     return corrected(session.all_predicted, last, np.random.default_rng(session.seed))
+
+
+UNFINISHED = 0.01
+"""Share of what is left that a step more promises, from which a fit is told not to have ended."""
 
 
 def concluded(

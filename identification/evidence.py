@@ -7,7 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from identification.fit import Fit
+from identification.fit import Fit, prior_of
 from identification.hypothesis import EffectUnknown, OwnNumber, PlaceUnknown, Unknown
 from models.effects import Effect
 
@@ -82,7 +82,7 @@ def log_without(result: Fit, scale: float) -> float:
     rest = [i for i in range(len(result.unknowns)) if i not in own]
     if not rest:
         return log_fit(result, scale)
-    prior = np.diag([1.0 if unknown.prior else 0.0 for unknown in result.unknowns])
+    prior = np.diag(prior_of(result.unknowns))
     told = (np.linalg.inv(result.covariance) - prior) / scale + prior
     sizes = np.linalg.eigvalsh(told[np.ix_(rest, rest)])
     return log_fit(result, scale) - 0.5 * float(np.log(np.maximum(sizes, LEAST_TOLD)).sum())

@@ -58,6 +58,22 @@ class Fit:
         """Standard deviation of each unknown in its own coordinate, widened where the model misses the data."""
         return np.asarray(np.sqrt(np.diag(self.covariance)) * max(1.0, self.ratio))
 
+    @property
+    def unfinished(self) -> float:
+        """Share of the cost that a step more would take away, were the model linear there: next to 0 at a minimum."""
+        prior, x = prior_of(self.unknowns), coordinates(self.hypothesis, self.unknowns)
+        gradient = self.jacobian @ self.residual + prior * x
+        normal = self.jacobian @ self.jacobian.T + np.diag(prior)
+        held = normal + NEAR_DAMPING * np.diag(np.diag(normal) + np.finfo(float).tiny)
+        state = _State(self.hypothesis, x, self.residual, self.cost)
+        step = _bounded(_free_step(state, self.unknowns, held, gradient))
+        return max(0.0, float(-2.0 * gradient @ step - step @ normal @ step)) / max(self.cost, LEAST_GAIN)
+
+
+def prior_of(unknowns: Sequence[Unknown]) -> FloatArray:
+    """(n_unknowns,) 1 for what is known beforehand, in its own coordinate, and 0 for the others."""
+    return np.array([1.0 if unknown.prior else 0.0 for unknown in unknowns])
+
 
 @dataclass
 class _State:
@@ -96,7 +112,7 @@ def fit(
     """
     there = {target.record.name for target in evaluator.targets}
     unknowns = tuple(unknown for unknown in unknowns if unknown.record is None or unknown.record in there)
-    prior = np.array([1.0 if unknown.prior else 0.0 for unknown in unknowns])
+    prior = prior_of(unknowns)
     state = _start(evaluator, hypothesis, unknowns, prior)
     rows = np.zeros((len(unknowns), evaluator.n_data))
     kept = 0 if jacobian is None else len(jacobian)

@@ -11,7 +11,7 @@ import numpy as np
 from scipy import fft
 
 from identification.evaluate import Evaluator, Target, TimeTarget, shaken, whitened
-from identification.fit import Fit, fit
+from identification.fit import Fit, fit, prior_of
 from identification.hypothesis import Hypothesis, at_coordinates, coordinates
 from identification.scatter import widening
 from models.arrays import FloatArray
@@ -80,7 +80,7 @@ def finer(evaluator: Evaluator, hypothesis: Hypothesis) -> Evaluator:
 def _finely(evaluator: Evaluator, found: Fit) -> Fit:
     """The fit moved by what a finer model leaves."""
     fine = finer(evaluator, found.hypothesis)
-    prior = np.array([1.0 if unknown.prior else 0.0 for unknown in found.unknowns])
+    prior = prior_of(found.unknowns)
     hypothesis = found.hypothesis
     for _ in range(CORRECTIONS):
         residual = fine.residuals([(hypothesis, None)])[0]
@@ -161,7 +161,7 @@ def _covariance(evaluator: Evaluator, found: Fit, rng: np.random.Generator) -> F
         realisations += [part @ change for change in _carried(evaluator, target, found, rng)]
     if not realisations:
         return found.covariance
-    prior = np.diag([1.0 if unknown.prior else 0.0 for unknown in found.unknowns])
+    prior = np.diag(prior_of(found.unknowns))
     score = (found.jacobian * np.concatenate(shares)) @ found.jacobian.T + prior
     score += sum(np.outer(r, r) for r in realisations) / REALISATIONS
     return np.asarray(found.covariance @ score @ found.covariance)

@@ -14,7 +14,7 @@ from scipy.stats import t as student_t
 from identification.consistency.modes import frequency_of, mode_bands
 from identification.evaluate import Evaluator, Target, TimeTarget
 from identification.evidence import LEAST_EVIDENCE, misfit_of
-from identification.fit import Fit, inverse_of
+from identification.fit import Fit, inverse_of, prior_of
 from identification.hypothesis import coordinates
 from identification.rest_target import FrfTarget, ModesTarget
 from models.arrays import FloatArray, IntArray
@@ -41,7 +41,7 @@ def widening(evaluator: Evaluator, found: Fit, shares: FloatArray) -> FloatArray
     Source: the jackknife of groups, which for clusters of least squares is CR3 of R. M. Bell, D. F. McCaffrey, Survey
     Methodology 28 (2002) 169, less what noise moves.
     """
-    prior = np.array([1.0 if unknown.prior else 0.0 for unknown in found.unknowns])
+    prior = prior_of(found.unknowns)
     known, excess = found.std() ** 2, np.zeros(len(found.unknowns))
     for parts in _divisions(evaluator, found):
         moved = beyond_noise(found.jacobian, shares, parts, prior, known)
@@ -101,7 +101,7 @@ def is_needed_throughout(evaluator: Evaluator, less: Fit, found: Fit) -> bool:
         less: the fit without the effect.
         found: the one with it, on the same data.
     """
-    prior = np.array([1.0 if unknown.prior else 0.0 for unknown in less.unknowns])
+    prior = prior_of(less.unknowns)
     pulled = prior * coordinates(less.hypothesis, less.unknowns)
     scale = misfit_of(found)
     for parts in _divisions(evaluator, found):

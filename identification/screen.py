@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from identification.evaluate import Evaluator
-from identification.fit import Fit
+from identification.fit import Fit, prior_of
 from identification.hypothesis import Hypothesis
 from identification.in_step import tried_with
 from identification.lines import Lines
@@ -38,7 +38,7 @@ class Projection:
     """Takes out of a change of the response what the fit's unknowns could do as well."""
 
     def __init__(self, base: Fit) -> None:
-        prior = np.array([1.0 if unknown.prior else 0.0 for unknown in base.unknowns])
+        prior = prior_of(base.unknowns)
         x = np.array([unknown.get(base.hypothesis) for unknown in base.unknowns])
         self.rows = base.jacobian
         self.residual = base.residual

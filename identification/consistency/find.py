@@ -21,7 +21,7 @@ from identification.consistency.noise_seen import Scatter
 from identification.consistency.own_values import Groups, OwnValues, Parts
 from identification.evaluate import Evaluator, TimeTarget
 from identification.evidence import unit_of
-from identification.fit import Fit
+from identification.fit import Fit, prior_of
 from identification.hypothesis import LARGEST_SIGMA, RigUnknown, coordinates
 from identification.intervals import finer
 from identification.rest_target import ModesTarget
@@ -110,7 +110,7 @@ def _findings(evaluator: Evaluator, found: Fit, rng: np.random.Generator) -> tup
     if not rig:
         return ()
     x = coordinates(found.hypothesis, found.unknowns)
-    prior = np.array([1.0 if unknown.prior else 0.0 for unknown in found.unknowns])
+    prior = prior_of(found.unknowns)
     bands = mode_bands(evaluator, found.hypothesis)
     data = weighted(evaluator, found, bands.edge)
     scatter = Scatter(evaluator, found.hypothesis, data, rng)
@@ -160,7 +160,7 @@ def _beyond(scatter: Scatter, found: Fit, rig: Mapping[int, RigUnknown]) -> dict
     far = [i for i in rig if abs(x[i]) > least]
     if not far:
         return {}
-    prior = np.array([1.0 if unknown.prior else 0.0 for unknown in found.unknowns])
+    prior = prior_of(found.unknowns)
     unheld = x - found.covariance @ (found.jacobian @ found.residual + prior * x)
     moved = scatter.moved(found)
     seen = {

@@ -19,7 +19,7 @@ from identification.next_experiment.choose import DECISIVE, Question, options_of
 from identification.next_experiment.odds import present_probability
 from identification.next_experiment.proposal import Proposal
 from identification.next_experiment.rivals import Rival, rivals_of
-from identification.next_experiment.words import in_vain, why
+from identification.next_experiment.words import in_vain, why, words_of
 from identification.outcome import AT_REST_ONLY
 from identification.result import ErrorMap, MissingForce, Verdict
 from identification.session import Session
@@ -91,7 +91,7 @@ def _told_apart(session: Session, bench: Bench, rivals: tuple[Rival, ...], ratio
     best = options[0]
     settled = best.expected_probability >= DECISIVE
     return Proposal(
-        do=best.test.words,
+        do=words_of(best),
         why=why(names, best, present, question.limits) if settled else in_vain(names, best),
         test=best.test,
         options=options,

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from identification.evidence import Ranked, misfit_in_common
-from identification.fit import NOT_TOLD, Fit
+from identification.fit import NOT_TOLD, Fit, prior_of
 from identification.hypothesis import Hypothesis, Unknown, at_coordinates, coordinates
 from identification.outcome import undecided
 from models.arrays import FloatArray
@@ -63,7 +63,7 @@ def _rival(row: Ranked, chance: float, scale: float) -> Rival:
     What neither a prior nor the records tell is known to a thousand units, as in ``fit``.
     """
     found = row.fit
-    prior = np.diag([1.0 if unknown.prior else 0.0 for unknown in found.unknowns])
+    prior = np.diag(prior_of(found.unknowns))
     value, vector = np.linalg.eigh(found.jacobian @ found.jacobian.T / scale + prior)
     covariance = (vector / np.maximum(value, NOT_TOLD)) @ vector.T
     lasting = [i for i, unknown in enumerate(found.unknowns) if unknown.record is None]

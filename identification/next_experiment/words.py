@@ -40,6 +40,17 @@ PARTED = 1.0
 """Separation below which two predictions are one: a law that holds another within it follows wherever that goes."""
 
 
+def words_of(best: Option) -> str:
+    """What to do; where even the best test parts nothing, that there is none.
+
+    Args:
+        best: of all tests that were weighed.
+    """
+    if best.separation >= PARTED:
+        return best.test.words
+    return f"no test within reach parts them; the best of those weighed is {best.test.words}"
+
+
 def sigmas(separation: float) -> str:
     """A separation, as far as it means anything.
 

@@ -151,8 +151,12 @@ def test_a_far_minimum_is_reached_in_bounded_steps():
     unknowns = (Number("a"),)
     problem = Linear(np.full((5, 1), 100.0), np.full(5, 700.0), unknowns)
 
-    assert fit(problem, NOWHERE, unknowns, max_iterations=1).hypothesis.values["a"] == pytest.approx(2.0)
-    assert fit(problem, NOWHERE, unknowns).hypothesis.values["a"] == pytest.approx(7.0, abs=1e-4)
+    begun, ended = fit(problem, NOWHERE, unknowns, max_iterations=1), fit(problem, NOWHERE, unknowns)
+
+    assert begun.hypothesis.values["a"] == pytest.approx(2.0)
+    assert ended.hypothesis.values["a"] == pytest.approx(7.0, abs=1e-4)
+    assert begun.unfinished == pytest.approx(1.0 - 9.0 / 25.0)  # a step of 2 of the 5 that are left
+    assert ended.unfinished < 1e-6
 
 
 @pytest.mark.parametrize("at_start", [0.0, 0.1], ids=["inside", "at the bound"])
@@ -166,6 +170,7 @@ def test_bounds_hold_and_the_others_settle_beside_them(at_start):
 
     others = np.linalg.lstsq(MATRIX[:, 1:], RIGHT - MATRIX[:, 0] * bound, rcond=None)[0]
     np.testing.assert_allclose([u.get(found.hypothesis) for u in unknowns], [bound, *others], atol=1e-4)
+    assert found.unfinished < 1e-6  # what is held at its bound promises nothing
 
 
 def test_known_columns_are_not_formed_again():

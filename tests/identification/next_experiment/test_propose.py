@@ -14,7 +14,7 @@ from identification.next_experiment.candidates import steady
 from identification.next_experiment.costs import COSTS, LIMITS
 from identification.next_experiment.proposal import Option
 from identification.next_experiment.propose import next_experiment, shortened
-from identification.next_experiment.words import why
+from identification.next_experiment.words import why, words_of
 from identification.outcome import AT_REST_ONLY
 from identification.prepare import Horizon, horizons
 from identification.result import ErrorMap, MissingForce
@@ -140,9 +140,12 @@ def test_a_group_is_told_apart_by_a_weighed_test():
 
 def test_what_one_rival_can_do_as_well_is_said():
     test = steady(bench_of(oscillator(), SIGMA), COSTS, 1.0, (10.0, 200.0), "level")
-    told = [why(["a", "b"], Option(test, 0.97, apart, 1.0, test.seconds), 0.9, LIMITS) for apart in (0.2, 4.0)]
+    options = [Option(test, 0.97, apart, 1.0, test.seconds) for apart in (0.2, 4.0)]
+    told = [why(["a", "b"], option, 0.9, LIMITS) for option in options]
     assert "one of them may still do what another does" in told[0]
     assert "part by 4 standard deviations" in told[1]
+    assert words_of(options[0]) == f"no test within reach parts them; the best of those weighed is {test.words}"
+    assert words_of(options[1]) == test.words
 
 
 def test_a_part_of_old_records_stands_for_all_of_them():
