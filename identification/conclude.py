@@ -115,7 +115,6 @@ def concluded(
         stages = [*before, session.stage(label, polished.hypothesis)]
     if session.relearnt:
         stages = [session.stage(stage.label, stage.hypothesis) for stage in stages]
-    among = tried(stages[-1].score)
     calibrated = next(stage for stage in reversed(stages) if stage.label == "calibrated")
     rounds = [distinct(ranked) for ranked in rounds]
     first = rounds[0] if rounds else []
@@ -130,6 +129,7 @@ def concluded(
     forces = forces_of(beside)
     updated_maps = tuple(error_map(record) for record in stages[-1].score.records)
     kept = kept_aside(session, given, polished.hypothesis, holdout)
+    among = tried(stages[-1].score, holds=not kept.missed)
     located = _located(session, heard, calibrated.hypothesis, beside)
     proposal = next_experiment(
         session,

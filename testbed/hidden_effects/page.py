@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from identification.outcome import NOISE_MET, UNTRIED, UNTRIED_BEYOND
+from identification.outcome import NOISE_MET, UNTRIED, UNTRIED_BEYOND, UNTRIED_MISSED
 from testbed.hidden_effects.bars import ENOUGH, ENOUGH_NOTHING, interval_of, threads_of
 from testbed.hidden_effects.judge import LARGEST_GROUP, NEAR
 from testbed.hidden_effects.plan import NOTHING, OUTSIDE
@@ -52,7 +52,8 @@ there, as the diagnosis of its batch said it. A bin of few cases tests little. W
 believed, the diagnosis was too sure of itself, as it was in the first batches: since then a share of every probability
 is kept for what was not judged, and the batches since then are told apart from those before. Up to seed {TAUGHT_UNTIL}
 and in the next it was {UNTRIED:.0%} of all; since then it is {UNTRIED_BEYOND:.0%} where the model that stands leaves
-more than {NOISE_MET:g} times the noise.
+more than {NOISE_MET:g} times the noise, and {UNTRIED_MISSED:.0%} where what was learnt does not hold on the record held
+out.
 """
 
 FARTHEST = f"""\

@@ -15,6 +15,7 @@ from identification.outcome import (
     LARGEST_LOG_STD,
     UNTRIED,
     UNTRIED_BEYOND,
+    UNTRIED_MISSED,
     added_effects,
     candidates_of,
     distinct,
@@ -184,3 +185,4 @@ def test_less_is_believed_where_more_than_the_noise_is_left():
     assert tried(met) == 1.0 - UNTRIED
     assert beyond.nrmse > 1.1 * beyond.noise_nrmse
     assert tried(beyond) == 1.0 - UNTRIED_BEYOND
+    assert tried(met, holds=False) == 1.0 - UNTRIED_MISSED
