@@ -10,10 +10,11 @@ from models.effects import Effect, Place
 from models.errors import DivergenceError
 from models.rig import Beam
 from testbed.effects_page.bench import Bench
-from testbed.effects_page.spectra import amplitudes
+from testbed.effects_page.spectra import amplitudes, lines
 
 WANTED = 0.5
-"""Rms over the band of the change in the logarithm of amplitudes, of the sensor and level that change most: 4 dB."""
+"""Rms over the band of the change in the logarithm of amplitudes, of the sensor and level that change most: 4 dB. Each
+octave counts alike, as it does in the picture: what shows at the upper edge of the band alone is not seen there."""
 
 FEW, SMOOTHED = 3, 2.0
 """Realisations, and Hz, over which trials are judged: impacts make single lines depend on everything."""
@@ -93,7 +94,7 @@ def _size(effect: Effect, bench: Bench) -> float:
     for level, rows in answers.items():
         records = bench.records[level][:FEW]
         before, after = (amplitudes(r, records, SMOOTHED) for r in (bench.answers[level][:FEW], rows))
-        changes.append(np.sqrt(np.mean(np.log(after / before) ** 2, axis=1)).max())
+        changes.append(np.sqrt(np.average(np.log(after / before) ** 2, axis=1, weights=1.0 / lines())).max())
     return float(max(changes))
 
 

@@ -106,7 +106,7 @@ def _force(response: Response, first: int, *, through_time: bool) -> tuple[Panel
 
 
 def _contact(without: Response, shown: Response, contact: int, *, through_time: bool) -> tuple[Panel, Panel]:
-    """The sleeve's force over the displacement there, and over time about its largest value.
+    """The sleeve's force over the displacement there, and over time about its largest value, late where that matters.
 
     Args:
         without: traced, without the effect.
@@ -116,7 +116,9 @@ def _contact(without: Response, shown: Response, contact: int, *, through_time: 
     """
     loops, courses = [], []
     assert shown.trace is not None
-    centre = int(np.argmax(np.abs(shown.trace.contact_forces[contact])))
+    pressed = np.abs(shown.trace.contact_forces[contact])
+    first = len(pressed) * 3 // 4 if through_time else 0
+    centre = first + int(np.argmax(pressed[first:]))
     for response, stage in ((without, False), (shown, True)):
         trace = response.trace
         assert trace is not None
@@ -131,7 +133,9 @@ def _contact(without: Response, shown: Response, contact: int, *, through_time: 
     axes, sleeve = AXES[0], shown.model.plant.contacts[contact].sleeve
     return (
         Panel(f"force of {sleeve}, high level", axes.motion, axes.force, tuple(loops)),
-        Panel(f"force of {sleeve} over time", "time [ms]", axes.force, tuple(courses)),
+        Panel(
+            f"force of {sleeve} over time{', late' if through_time else ''}", "time [ms]", axes.force, tuple(courses)
+        ),
     )
 
 
