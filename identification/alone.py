@@ -8,16 +8,13 @@ itself, begun anew, and then every kind is looked for once more from the numbers
 from dataclasses import replace
 
 from identification.acceptance import comes_as_near, explains_as_much, fit_without, tell_tangent
-from identification.calibrate import concerning
+from identification.anew import judged_anew
 from identification.evidence import Ranked, reweighed, with_evidence
-from identification.exchange import fit_at
 from identification.fewer import Fewer
-from identification.fit import Fit, fit
+from identification.fit import Fit
 from identification.in_its_place import settled_apart
-from identification.judge import finals, restarted
-from identification.look import View, beside
-from identification.prepare import cut_to
-from identification.rounds import SCREEN_SECONDS, told_apart
+from identification.judge import restarted
+from identification.rounds import told_apart
 from identification.session import Session
 from identification.sketch import is_alike
 
@@ -74,7 +71,8 @@ def _each_of_them(session: Session, calibrated: Fit, found: Fit) -> list[Fit]:
 def _judged(session: Session, calibrated: Fit, found: Fit, alone: list[Fit]) -> list[Ranked]:
     """Every kind without other effects, from the best numbers there are, ranked with those that stand by themselves."""
     try:
-        rows = _from_there(session, calibrated, min(alone, key=lambda each: each.cost, default=found))
+        best = min(alone, key=lambda each: each.cost, default=found)
+        rows = judged_anew(session, calibrated, replace(best.hypothesis, effects=()))
     except ArithmeticError:  # without the two nothing stands
         rows = []
     if not alone:
@@ -84,17 +82,3 @@ def _judged(session: Session, calibrated: Fit, found: Fit, alone: list[Fit]) -> 
         kept += [] if any(is_alike(row.fit, other.fit) for other in kept) else [row]
     ranked = reweighed(rows, kept) if rows else with_evidence(kept)
     return settled_apart(session.fitting, ranked, session.progress)
-
-
-def _from_there(session: Session, calibrated: Fit, found: Fit) -> list[Ranked]:
-    """Every kind judged without other effects, from the numbers found.
-
-    Kinds that act over the length of a record are left out: looking for them takes whole records.
-    """
-    bare = fit_at(session, calibrated, replace(found.hypothesis, effects=()))
-    evaluator = cut_to(session.searching(bare), SCREEN_SECONDS, session.limits, 2)
-    there = fit(evaluator, bare.hypothesis, concerning(bare, evaluator), max_iterations=0)
-    structure = bare.hypothesis.rig.structure.kind
-    kinds = {name: k for name, k in session.registry.items() if structure in k.structures and k.family != "time"}
-    sketches = beside(View(evaluator, there, kinds), bare, session.progress)
-    return finals(sketches, session.fitting, bare, kinds, session.progress)

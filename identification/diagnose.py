@@ -8,6 +8,7 @@ import numpy as np
 
 from identification.acceptance import accepted, fit_without, in_doubt, is_enough, pruned, verdict_of
 from identification.alone import one_alone
+from identification.anew import looked_for_anew
 from identification.assess import with_starts
 from identification.calibrate import calibrate, strained, unknowns_of
 from identification.conclude import concluded, one_set_of_numbers, settled
@@ -171,7 +172,7 @@ def _exchanged(
     session: Session, chain: list[Fit], rounds: list[list[Ranked]], stages: list[Stage], waiting: Sequence[int]
 ) -> tuple[list[Fit], list[list[Ranked]]]:
     """The models and rounds after some effects were judged again beside the others, and what that made needless."""
-    after = exchanged(session, chain[0], chain[-1], rounds, waiting)
+    after = looked_for_anew(session, chain[0], exchanged(session, chain[0], chain[-1], rounds, waiting))
     if after.newest is None:
         return chain, after.rounds
     stages.append(session.stage("; ".join(after.labels), after.fit.hypothesis))

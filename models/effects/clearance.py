@@ -27,14 +27,12 @@ class Clearance(Effect):
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:
-        """Gaps from 0.6 to 1.6 times the given one; where none is given, shares of the largest displacement."""
+        """Gaps from a third to 2.5 times the given one; where none is given, shares of the largest displacement."""
         assert scene.contact is not None
-        if scene.contact.clearance > 0:
-            gap, ratios = scene.contact.clearance, (0.6, 0.85, 1.2, 1.6)
-        else:
-            gap, ratios = scene.displacement, (0.03, 0.1, 0.3, 0.8)
-        for ratio in ratios:
-            yield cls(scene.place, clearance=ratio * gap)
+        given = scene.contact.clearance
+        shares = (0.35, 0.6, 0.85, 1.2, 1.6, 2.5) if given > 0 else (0.03, 0.1, 0.3, 0.8)
+        for share in shares:
+            yield cls(scene.place, clearance=share * (given or scene.displacement))
 
     def change_contact(self, contact: Contact) -> Contact:
         """The contact with this clearance."""

@@ -5,8 +5,8 @@ reported cases was given one before any of its cases was drawn. The first two ba
 their cases were known, when earlier seeds, of other diagnoses, were put aside. How far a size is searched until it
 shows as much as was drawn, and how finely an engine resolves, were mended while seeds before the first batch that
 counts were spent.
-The search begins at the library's own trial values; those of ``absorber`` were changed after the first batch, whose
-absorbers come out otherwise when they are drawn again.
+The search begins at the library's own trial values; those of ``absorber`` were changed after the first batch, those of
+``clearance`` after seed 21911: such cases come out otherwise when they are drawn again.
 
 A case is judged by the diagnosis as it was before anybody had looked at the case: what a batch of reported cases taught
 is mended after it, and judged by the next batch, of another seed, so that the batches count together (prequentially;

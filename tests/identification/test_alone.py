@@ -59,7 +59,7 @@ def test_another_kind_has_to_come_as_near_with_no_more_numbers(monkeypatch, riva
     found = found_with(session, MASS, GAIN)
     there = fit_of(rival, worse**2 * found.chi2, n_data=found.n_data)
     monkeypatch.setattr(alone, "_each_of_them", lambda *_: [])
-    monkeypatch.setattr(alone, "_from_there", lambda *_: [Ranked.of(there)])
+    monkeypatch.setattr(alone, "judged_anew", lambda *_: [Ranked.of(there)])
 
     assert (one_alone(session, found, found) is None) == stays
 
