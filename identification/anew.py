@@ -17,7 +17,7 @@ from identification.hypothesis import Hypothesis
 from identification.judge import finals
 from identification.look import View, beside
 from identification.prepare import cut_to
-from identification.reached import NOISE_REACHED
+from identification.reached import reaches_noise
 from identification.rounds import SCREEN_SECONDS, takes_away, told_apart
 from identification.session import Session
 
@@ -40,7 +40,7 @@ def looked_for_anew(session: Session, calibrated: Fit, now: Exchange) -> Exchang
     if len(waiting) < 2:
         return now
     for _ in range(MOST_LOOKS):
-        if not waiting or not NOISE_REACHED < now.fit.ratio <= NEAR_THE_TRUTH:
+        if not waiting or now.fit.ratio > NEAR_THE_TRUTH or reaches_noise(session.fitting, now.fit):
             break
         index = waiting.pop(0)
         after = _anew(session, calibrated, now, index)
