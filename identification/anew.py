@@ -11,7 +11,7 @@ from dataclasses import replace
 from identification.acceptance import LEAST_SHARE
 from identification.calibrate import concerning
 from identification.evidence import Ranked
-from identification.exchange import Exchange, fit_at
+from identification.exchange import Exchange, exchanged, fit_at
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis
 from identification.judge import finals
@@ -31,12 +31,14 @@ MOST_LOOKS = 4
 def looked_for_anew(session: Session, calibrated: Fit, now: Exchange) -> Exchange:
     """Effects exchanged for what explains more at any place, until the noise is reached or none does.
 
+    What stood beside an effect that was none of the rig's is judged again beside the one that took its place.
+
     Args:
         session: with the records; told.
         calibrated: the model without effects.
         now: the model with all of them, and what was weighed.
     """
-    waiting = list(range(len(now.fit.hypothesis.effects)))
+    given, waiting = now, list(range(len(now.fit.hypothesis.effects)))
     if len(waiting) < 2:
         return now
     for _ in range(MOST_LOOKS):
@@ -47,7 +49,12 @@ def looked_for_anew(session: Session, calibrated: Fit, now: Exchange) -> Exchang
         if after is not now:
             waiting = [other for other in range(len(now.fit.hypothesis.effects)) if other != index]
         now = after
-    return now
+    if now is given:
+        return now
+    others = [other for other in range(len(now.fit.hypothesis.effects)) if other != now.newest]
+    again = exchanged(session, calibrated, now.fit, now.rounds, others)
+    newest = now.newest if again.newest is None else again.newest
+    return replace(again, labels=(*now.labels, *again.labels), newest=newest)
 
 
 def _anew(session: Session, calibrated: Fit, now: Exchange, index: int) -> Exchange:

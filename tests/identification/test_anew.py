@@ -8,8 +8,10 @@ from identification.evidence import Ranked
 from identification.exchange import Exchange
 from identification.reached import NOISE_REACHED
 from models.effects import EFFECTS, Place
+from models.effects.absorber import Absorber
 from models.effects.axial_load import AxialLoad
 from models.effects.local_damage import LocalDamage
+from models.effects.point_damping import PointDamping
 from models.effects.sensor_gain import SensorGain
 
 DAMAGE, GAIN = LocalDamage(Place(position=0.64), loss=0.04, width=0.1), SensorGain(Place(sensor="P4"), gain=0.9)
@@ -42,9 +44,23 @@ def test_what_imitated_the_rest_is_exchanged_for_what_is_there(session):
     assert ended.fit.ratio < NOISE_REACHED
     assert ended.newest == 0
     assert ended.rounds[0][0].effect.kind == "local_damage"
-    assert ended.rounds[1] is now.rounds[1]
     assert "axial_load exchanged for local_damage" in ended.labels[0]
     assert "looked for anew beside sensor_gain on P4" in session.decisions[-1]
+
+
+def test_what_stood_beside_an_imitation_is_judged_again():
+    dashpot = PointDamping(Place(position=1.1), damping=2.0)
+    swinging = Absorber(Place(position=1.1), mass=0.35, frequency=1.15, damping_ratio=0.4)
+    session = beam_session(DAMAGE, dashpot)
+    session.registry = {kind: EFFECTS[kind] for kind in ("local_damage", "axial_load", "point_damping", "absorber")}
+    now = stood(session, LOAD, swinging)
+    assert now.fit.ratio < NEAR_THE_TRUTH
+
+    ended = looked_for_anew(session, found_with(session), now)
+
+    assert [effect.kind for effect in ended.fit.hypothesis.effects] == ["local_damage", "point_damping"]
+    assert len(ended.labels) == 2
+    assert ended.newest == 1
 
 
 def test_what_reaches_the_noise_is_not_asked(session):
