@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from identification.outcome import NOISE_MET, UNTRIED, UNTRIED_BEYOND, UNTRIED_MISSED
+from identification.outcome import UNTRIED, UNTRIED_BEYOND, UNTRIED_MISSED
+from identification.reached import NOISE_REACHED
 from testbed.hidden_effects.bars import ENOUGH, ENOUGH_NOTHING, interval_of, threads_of
 from testbed.hidden_effects.judge import LARGEST_GROUP, NEAR
 from testbed.hidden_effects.plan import NOTHING, OUTSIDE
@@ -52,8 +53,8 @@ there, as the diagnosis of its batch said it. A bin of few cases tests little. W
 believed, the diagnosis was too sure of itself, as it was in the first batches: since then a share of every probability
 is kept for what was not judged, and the batches since then are told apart from those before. Up to seed {TAUGHT_UNTIL}
 and in the next it was {UNTRIED:.0%} of all; since then it is {UNTRIED_BEYOND:.0%} where the model that stands leaves
-more than {NOISE_MET:g} times the noise, and {UNTRIED_MISSED:.0%} where what was learnt does not hold on the record held
-out.
+more than {NOISE_REACHED:g} times the noise, and {UNTRIED_MISSED:.0%} where what was learnt does not hold on the record
+held out.
 """
 
 FARTHEST = f"""\
@@ -189,7 +190,7 @@ def _by_what_is_left(rows: list[Json]) -> Iterator[str]:
     for row in rows:
         batches = "that taught it" if row["taught"] else "since"
         left = "at most" if row["met"] else "more than"
-        yield f"| {batches} | {left} {NOISE_MET:g} times the noise | {row['right']} | {row['cases']} |"
+        yield f"| {batches} | {left} {NOISE_REACHED:g} times the noise | {row['right']} | {row['cases']} |"
 
 
 def _rows(summary: Json) -> Iterator[str]:

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from identification.outcome import NOISE_MET
+from identification.reached import NOISE_REACHED
 from testbed.hidden_effects.bars import bars_of
 from testbed.hidden_effects.judge import NEAR
 from testbed.hidden_effects.newest import newest_of
@@ -198,7 +198,7 @@ def by_what_is_left(cases: Sequence[Json]) -> list[Json]:
     for taught in (True, False):
         some = [c for c in cases if (c["seed"] <= TAUGHT_UNTIL) == taught and "noise_nrmse" in _final(c)]
         for met in (True, False):
-            alike = [c for c in some if (_final(c)["nrmse"] <= NOISE_MET * _final(c)["noise_nrmse"]) == met]
+            alike = [c for c in some if (_final(c)["nrmse"] <= NOISE_REACHED * _final(c)["noise_nrmse"]) == met]
             right = sum(first_is_there(c) for c in alike)
             rows.append({"taught": taught, "met": met, "right": right, "cases": len(alike)})
     return rows
