@@ -7,11 +7,12 @@ R. J. Hathaway, Neural, Parallel and Scientific Computations 11 (2003) 351).
 """
 
 from dataclasses import replace
+from functools import partial
 
 from identification.acceptance import LEAST_SHARE
 from identification.calibrate import concerning
 from identification.evidence import Ranked
-from identification.exchange import Exchange, exchanged, fit_at
+from identification.exchange import Exchange, exchanged, fit_at, in_turn
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis
 from identification.judge import finals
@@ -24,9 +25,6 @@ from identification.session import Session
 NEAR_THE_TRUTH = 3.0
 """Residual over noise up to which the numbers beside several effects are near enough to see others by."""
 
-MOST_LOOKS = 4
-"""Of two effects each twice."""
-
 
 def looked_for_anew(session: Session, calibrated: Fit, now: Exchange) -> Exchange:
     """Effects exchanged for what explains more at any place, until the noise is reached or none does.
@@ -38,37 +36,34 @@ def looked_for_anew(session: Session, calibrated: Fit, now: Exchange) -> Exchang
         calibrated: the model without effects.
         now: the model with all of them, and what was weighed.
     """
-    given, waiting = now, list(range(len(now.fit.hypothesis.effects)))
-    if len(waiting) < 2:
+    if len(now.fit.hypothesis.effects) < 2:
         return now
-    for _ in range(MOST_LOOKS):
-        if not waiting or now.fit.ratio > NEAR_THE_TRUTH or reaches_noise(session.fitting, now.fit):
-            break
-        index = waiting.pop(0)
-        after = _anew(session, calibrated, now, index)
-        if after is not now:
-            waiting = [other for other in range(len(now.fit.hypothesis.effects)) if other != index]
-        now = after
-    if now is given:
+    after = in_turn(
+        now, range(len(now.fit.hypothesis.effects)), partial(_anew, session, calibrated), partial(_is_enough, session)
+    )
+    if after is now:
         return now
-    others = [other for other in range(len(now.fit.hypothesis.effects)) if other != now.newest]
-    again = exchanged(session, calibrated, now.fit, now.rounds, others)
-    newest = now.newest if again.newest is None else again.newest
-    return replace(again, labels=(*now.labels, *again.labels), newest=newest)
+    again = exchanged(session, calibrated, after.fit, after.rounds, after.others)
+    newest = after.newest if again.newest is None else again.newest
+    return replace(again, labels=(*after.labels, *again.labels), newest=newest)
+
+
+def _is_enough(session: Session, found: Fit) -> bool:
+    """The noise is reached, or the numbers are too far off to see other effects by."""
+    return found.ratio > NEAR_THE_TRUTH or reaches_noise(session.fitting, found)
 
 
 def _anew(session: Session, calibrated: Fit, now: Exchange, index: int) -> Exchange:
     """The model with one effect exchanged, or the same where nothing takes enough of the misfit away in its place."""
-    hypothesis = now.fit.hypothesis
-    effect, others = hypothesis.effects[index], (*hypothesis.effects[:index], *hypothesis.effects[index + 1 :])
-    beside_them = " and ".join(other.label() for other in others)
+    effect, bare = now.fit.hypothesis.effects[index], now.fit.hypothesis.without_effect(index)
+    beside_them = " and ".join(other.label() for other in bare.effects)
     session.progress(f"looking for {effect.label()} anew beside {beside_them}")
     try:
-        rows = told_apart(session, judged_anew(session, calibrated, replace(hypothesis, effects=others)))
+        rows = told_apart(session, judged_anew(session, calibrated, bare))
         if not rows:
             return now
         best = rows[0].effect
-        effects = (*others[:index], best, *others[index:])
+        effects = (*bare.effects[:index], best, *bare.effects[index:])
         last = fit_at(session, calibrated, replace(rows[0].fit.hypothesis, effects=effects), polished=True)
     except ArithmeticError:  # without the effect nothing stands
         return now
@@ -99,7 +94,6 @@ def judged_anew(session: Session, calibrated: Fit, bare: Hypothesis) -> list[Ran
     base = fit_at(session, calibrated, bare)
     evaluator = cut_to(session.searching(base), SCREEN_SECONDS, session.limits, 2)
     there = fit(evaluator, base.hypothesis, concerning(base, evaluator), max_iterations=0)
-    structure = base.hypothesis.rig.structure.kind
-    kinds = {name: k for name, k in session.registry.items() if structure in k.structures and k.family != "time"}
+    kinds = session.kinds_on(base.hypothesis.rig, but=("time",))
     sketches = beside(View(evaluator, there, kinds), base, session.progress)
     return finals(sketches, session.fitting, base, kinds, session.progress)

@@ -5,8 +5,9 @@ towards what it is not. Once the others stand, its rivals of that time are tried
 replacement, as in A. J. Miller, Subset Selection in Regression (2002), section 3.4.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from identification.evidence import Ranked, reweighed
 from identification.fit import Fit, fit
@@ -38,6 +39,11 @@ class Exchange:
     labels: tuple[str, ...] = ()
     newest: int | None = None
 
+    @property
+    def others(self) -> list[int]:
+        """Indices of all effects but the newest."""
+        return [index for index in range(len(self.fit.hypothesis.effects)) if index != self.newest]
+
 
 def exchanged(
     session: Session, calibrated: Fit, found: Fit, rounds: list[list[Ranked]], waiting: Sequence[int]
@@ -51,15 +57,31 @@ def exchanged(
         rounds: effects ranked in the round of each.
         waiting: indices of those to judge; once one is exchanged, all others are judged beside it.
     """
-    now = Exchange(found, rounds)
+    return in_turn(Exchange(found, rounds), waiting, partial(_judged_again, session, calibrated))
+
+
+def in_turn(
+    now: Exchange,
+    waiting: Sequence[int],
+    judge: Callable[[Exchange, int], Exchange],
+    is_enough: Callable[[Fit], bool] = lambda _: False,
+) -> Exchange:
+    """Effects judged one after the other; once one is exchanged, all others are judged beside it.
+
+    Args:
+        now: the model.
+        waiting: indices of the effects to judge.
+        judge: the model after one of them was.
+        is_enough: of what model none is judged any more.
+    """
     waiting = list(waiting)
     for _ in range(MOST_TRIALS):
-        if not waiting:
+        if not waiting or is_enough(now.fit):
             break
         index = waiting.pop(0)
-        after = _judged_again(session, calibrated, now, index)
+        after = judge(now, index)
         if len(after.labels) > len(now.labels):
-            waiting = [other for other in range(len(found.hypothesis.effects)) if other != index]
+            waiting = after.others
         now = after
     return now
 
@@ -82,13 +104,14 @@ def fit_at(session: Session, calibrated: Fit, hypothesis: Hypothesis, *, polishe
 def _judged_again(session: Session, calibrated: Fit, now: Exchange, index: int) -> Exchange:
     """One effect judged again."""
     hypothesis, ranked = now.fit.hypothesis, now.rounds[index]
-    effect, others = hypothesis.effects[index], (*hypothesis.effects[:index], *hypothesis.effects[index + 1 :])
+    effect, bare = hypothesis.effects[index], hypothesis.without_effect(index)
+    others = bare.effects
     rivals = list(_rivals(effect, ranked))
     kinds = session.kinds_at_a_place(hypothesis.rig)
     beside = " and ".join(other.label() for other in others)
     session.progress(f"{effect.label()} judged again beside {beside}")
     try:
-        base = fit_at(session, calibrated, replace(hypothesis, effects=others))
+        base = fit_at(session, calibrated, bare)
         leader = fit_at(session, calibrated, replace(hypothesis, effects=(*others, effect)))
         rows = judged_beside(leader, session.fitting, base, rivals, kinds, session.progress)
     except ArithmeticError:  # without the effect nothing stands

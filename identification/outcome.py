@@ -142,8 +142,7 @@ def distinct(ranked: Sequence[Ranked]) -> list[Ranked]:
 
 def _is_one(one: Effect, other: Effect, rig: Rig) -> bool:
     """Whether a table of effects names both alike, but for a place that no fit tells from the other."""
-    options = all(getattr(one, key) == getattr(other, key, None) for key in one.options)
-    return one.kind == other.kind and options and is_same_place(one.place, other.place, rig)
+    return one.kind == other.kind and one.has_options_of(other) and is_same_place(one.place, other.place, rig)
 
 
 def groups_of(ranked: Sequence[Ranked], chances: Sequence[float]) -> tuple[tuple[Effect, ...], ...]:

@@ -1,15 +1,15 @@
 """What a comparison and a diagnosis say, as values: the report and the JSON files are made from these alone."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 
 from identification.at_rest import PairedModes
 from identification.consistency.finding import CalibrationFinding
 from identification.hypothesis import Hypothesis
-from identification.locating.located import Located
+from identification.locating.located import Located, PlacedForce
 from identification.next_experiment.proposal import Proposal
 from identification.noise import Noise
 from models.arrays import ComplexArray, FloatArray
@@ -199,6 +199,27 @@ class MissingForce:
     v: FloatArray
     force: FloatArray
     fs: float
+
+
+AnyForce = TypeVar("AnyForce", MissingForce, PlacedForce)
+
+
+def loudest(forces: Sequence[AnyForce]) -> AnyForce:
+    """The force that varies most, of several places or records, one at least.
+
+    Args:
+        forces: N.
+    """
+    return max(forces, key=lambda force: float(force.force.std()))
+
+
+def largest_at(force: MissingForce | PlacedForce) -> float:
+    """When a force is largest, s from the record's first sample.
+
+    Args:
+        force: N.
+    """
+    return int(np.argmax(np.abs(force.force))) / force.fs
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,10 +30,8 @@ SCREEN_SECONDS, TIME_SECONDS = 5.0, 10.0
 
 def look_round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
     """Effects ranked, and a calibration without the best of them if that is better than the one so far."""
-    structure = base.hypothesis.rig.structure.kind
-    kinds = {name: kind for name, kind in session.registry.items() if structure in kind.structures}
-    lasting = {name: kind for name, kind in kinds.items() if kind.family == "time" and session.everything.timed}
-    instant = {name: kind for name, kind in kinds.items() if kind.family != "time"}
+    kinds, instant = session.kinds_on(base.hypothesis.rig), session.kinds_on(base.hypothesis.rig, but=("time",))
+    lasting = {name: kind for name, kind in kinds.items() if name not in instant and session.everything.timed}
     searching = session.searching(base)
     first = _view(session, searching, base, instant, SCREEN_SECONDS, 2)
     suspected = suspicion(first.evaluator, first.there)

@@ -1,6 +1,6 @@
 """What one diagnosis works with: records, noise and resolution, which get finer as the model gets better."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
 
@@ -234,8 +234,17 @@ class Session:
         Args:
             rig: whose structure they must be able to sit on.
         """
+        return self.kinds_on(rig, but=NOT_AT_A_PLACE)
+
+    def kinds_on(self, rig: Rig, but: Collection[str] = ()) -> Registry:
+        """Kinds that can sit on a rig's structure.
+
+        Args:
+            rig: with the structure.
+            but: families that are left out.
+        """
         structure = rig.structure.kind
-        return {n: k for n, k in self.registry.items() if structure in k.structures and k.family not in NOT_AT_A_PLACE}
+        return {n: k for n, k in self.registry.items() if structure in k.structures and k.family not in but}
 
     def searching(self, base: Fit) -> Evaluator:
         """All records at the resolution at which suspects are looked for: what the model misses hides coarser steps.

@@ -16,6 +16,7 @@ from identification.result import (
     MissingForce,
     ModesScore,
     Score,
+    largest_at,
 )
 from models.arrays import FloatArray
 from models.effects import Effect, entry_of
@@ -180,12 +181,11 @@ def _worst(error_map: ErrorMap, sensors: Sequence[str]) -> Json:
 
 
 def _force(force: MissingForce) -> Json:
-    largest = int(np.argmax(np.abs(force.force)))
     return {
         "place": force.place,
         "record": force.record,
         "rms": float(np.sqrt(np.mean(force.force**2))),
-        "largest_at": largest / force.fs,
+        "largest_at": largest_at(force),
         "unit": "N",
     }
 

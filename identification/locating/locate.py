@@ -123,8 +123,7 @@ class _Profile:
     @property
     def explained(self) -> FloatArray:
         """(n_ways,) share of the misfit beyond the noise."""
-        beyond = max(self.weighed.nothing - 1.0, np.finfo(float).tiny)
-        return np.clip((self.weighed.nothing - np.maximum(self.weighed.left, 1.0)) / beyond, 0.0, 1.0)
+        return _share(self.weighed.nothing, self.weighed.left)
 
     @property
     def channels(self) -> tuple[FreedChannel, ...]:
@@ -202,11 +201,11 @@ class _Search:
         place, interval = last.peak()
         i = last.best
         left = float(np.sqrt(last.weighed.left[i]))
-        enough, share = _is_enough(first.weighed.nothing, left), _share(first.weighed.nothing, left**2)
-        n = len(profile.positions)
-        explained = np.array([_share(first.weighed.nothing, each) for each in profile.weighed.left[:n]])
+        enough, share = _is_enough(first.weighed.nothing, left), float(_share(first.weighed.nothing, left**2))
+        explained = _share(first.weighed.nothing, profile.weighed.left[: len(profile.positions)])
         alike = profile.positions[explained > share - (1.0 - OWN_SHARE)]
-        interval = _hull(*self._widened(last, place, interval), *alike.tolist())
+        ends = (*self._widened(last, place, interval), *alike.tolist())
+        interval = min(ends), max(ends)
         low, high = (end + side * NEAR * self.step for end, side in zip(interval, (-1.0, 1.0), strict=True))
         contacts = (c for c in first.runs[0].plant.contacts if c.position is not None)
         inside = [(abs(c.position - place), c.sleeve) for c in contacts if c.position and low <= c.position <= high]
@@ -247,7 +246,7 @@ class _Search:
         others = [Balance(run, rng) for run in runs_beside(self.evaluator, self.hypothesis, unheard=name)]
         nothing = weigh([balance.lines(self.grid[-1:].tolist(), channels=False) for balance in others]).nothing
         left = float(np.sqrt(nothing * len(self.names) / (len(self.names) - 1)))
-        enough, share = _is_enough(first.weighed.nothing, left), _share(first.weighed.nothing, left**2)
+        enough, share = _is_enough(first.weighed.nothing, left), float(_share(first.weighed.nothing, left**2))
         found = replace(_nothing(first), left=left, sensor=name, share=share, enough=enough)
         return replace(found, words=_in_words(found))
 
@@ -258,7 +257,7 @@ NEAR = 0.1
 
 def _is_enough(nothing: float, left: float) -> bool:
     """The noise is reached, or what is left is what the method itself leaves of a true point force."""
-    return left <= AT_NOISE or _share(nothing, left**2) > OWN_SHARE
+    return left <= AT_NOISE or bool(_share(nothing, left**2) > OWN_SHARE)
 
 
 OWN_SHARE = 0.98
@@ -266,12 +265,10 @@ OWN_SHARE = 0.98
 that explain as much but for these 2 % are not told apart."""
 
 
-def _hull(*ends: float) -> tuple[float, float]:
-    return min(ends), max(ends)
-
-
-def _share(nothing: float, left: float) -> float:
-    return float(np.clip((nothing - max(left, 1.0)) / max(nothing - 1.0, np.finfo(float).tiny), 0.0, 1.0))
+def _share(nothing: float, left: FloatArray | float) -> FloatArray:
+    """Share of the misfit beyond the noise that is gone."""
+    gone = (nothing - np.maximum(left, 1.0)) / max(nothing - 1.0, np.finfo(float).tiny)
+    return np.asarray(np.clip(gone, 0.0, 1.0))
 
 
 def _nothing(first: _Profile) -> Located:

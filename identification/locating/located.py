@@ -120,6 +120,10 @@ class Located:
     forces: tuple[PlacedForce, ...]
     shape: Shape | None
 
+    def holds(self, position: float) -> bool:
+        """Whether a position, m from the clamp, is told as the place or not told from it."""
+        return self.interval is not None and self.interval[0] <= position <= self.interval[1]
+
     @property
     def where(self) -> str:
         """The place or channel in short; empty where none is told, or the misfit is at more than one place."""

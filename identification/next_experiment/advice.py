@@ -14,7 +14,7 @@ from identification.next_experiment.costs import COSTS
 from identification.next_experiment.planned import PlannedTest
 from identification.next_experiment.proposal import Proposal
 from identification.prepare import horizons
-from identification.result import ErrorMap, MissingForce
+from identification.result import ErrorMap, MissingForce, loudest
 from models.arrays import FloatArray
 from models.simulate import Settings, Trace
 
@@ -127,7 +127,7 @@ def _place(forces: Sequence[MissingForce], located: Located | None) -> str:
     """Where the missing force acts; empty where no one place is told."""
     if located is not None:
         return "" if located.sensor else located.where
-    return max(forces, key=lambda force: float(force.force.std())).place if forces else ""
+    return loudest(forces).place if forces else ""
 
 
 def _beyond(error_map: ErrorMap) -> FloatArray:

@@ -225,7 +225,15 @@ class Effect(ABC):
         Args:
             other: of the same kind.
         """
-        return self.valley != other.valley or any(getattr(self, key) != getattr(other, key) for key in self.options)
+        return self.valley != other.valley or not self.has_options_of(other)
+
+    def has_options_of(self, other: "Effect") -> bool:
+        """Whether all its options are those of another one of its kind.
+
+        Args:
+            other: of the same kind.
+        """
+        return all(getattr(self, key) == getattr(other, key) for key in self.options)
 
     @classmethod
     def sits_at(cls, place: Place) -> tuple[Place, ...]:

@@ -117,15 +117,23 @@ class _Beam:
         if here is not None and there is not None:
             return bool(here == there)
         distance = self.distance(one, other)
-        return self._position(one) is self._position(other) is None or (distance is not None and distance <= NEAR)
+        nowhere = position_of(one, self.sleeves) is position_of(other, self.sleeves) is None
+        return nowhere or (distance is not None and distance <= NEAR)
 
     def distance(self, one: Json, other: Json) -> float | None:
         """Between two effects along the beam, as a share of its length; None where one is not on it."""
-        here, there = self._position(one), self._position(other)
+        here, there = position_of(one, self.sleeves), position_of(other, self.sleeves)
         return None if here is None or there is None else abs(here - there) / self.length
 
-    def _position(self, effect: Json) -> float | None:
-        if effect.get("sensor") is not None:
-            return None
-        sleeve = effect.get("sleeve")
-        return self.sleeves[sleeve] if sleeve is not None else effect.get("position")
+
+def position_of(effect: Json, sleeves: Mapping[str, float]) -> float | None:
+    """Where an effect acts along the beam, m from the clamp; None of what acts everywhere, or on a channel.
+
+    Args:
+        effect: as ``diagnosis.json`` and the files of the cases hold it.
+        sleeves: position of each, m.
+    """
+    if effect.get("sensor") is not None:
+        return None
+    sleeve = effect.get("sleeve")
+    return sleeves[sleeve] if sleeve is not None else effect.get("position")

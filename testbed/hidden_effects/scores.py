@@ -8,7 +8,7 @@ import numpy as np
 
 from identification.reached import NOISE_REACHED
 from testbed.hidden_effects.bars import bars_of
-from testbed.hidden_effects.judge import NEAR
+from testbed.hidden_effects.judge import NEAR, position_of
 from testbed.hidden_effects.newest import newest_of
 from testbed.hidden_effects.plan import NOTHING, OUTSIDE, TWO
 from testbed.hidden_effects.sets import FEW, MANY, SETS
@@ -230,11 +230,9 @@ def located(cases: Sequence[Json]) -> Json:
 
 
 def _true_place(case: Json) -> float | None:
-    """Where the one effect acts, m from the clamp; None of what acts everywhere, or on a channel."""
+    """Where the one effect acts, m from the clamp, if at one place."""
     (effect,) = case["hidden"]
-    if effect.get("sleeve") is not None:
-        return next(float(s["position"]) for s in case["rig"]["sleeves"] if s["name"] == effect["sleeve"])
-    return None if effect.get("sensor") is not None else effect.get("position")
+    return position_of(effect, {sleeve["name"]: sleeve["position"] for sleeve in case["rig"]["sleeves"]})
 
 
 def beliefs_of(summary: Json) -> dict[str, list[Json]]:

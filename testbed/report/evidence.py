@@ -85,17 +85,10 @@ def evidence_picture(diagnosis: Diagnosis, rig: Rig, place: Picture | None) -> P
     effect = diagnosis.added[0].effect
     if effect.family == "measurement" and not effect.record_parameters:
         return channel_picture(diagnosis, effect)
-    if effect.place.position is None or effect.family == "time":
+    position, located = effect.place.position, diagnosis.located
+    if position is None or effect.family == "time" or (located is not None and not located.holds(position)):
         return left_picture(diagnosis, rig)
-    return place if place is None or _is_located(diagnosis, effect) else left_picture(diagnosis, rig)
-
-
-def _is_located(diagnosis: Diagnosis, effect: Effect) -> bool:
-    """Whether the force, located without a law, sits where the effect was found."""
-    found, position = diagnosis.located, effect.place.position
-    if found is None or found.interval is None or position is None:
-        return False
-    return found.interval[0] <= position <= found.interval[1]
+    return place
 
 
 def left_picture(diagnosis: Diagnosis, rig: Rig) -> Picture:

@@ -1,13 +1,12 @@
 """Numbers and verdicts as a person reads them."""
 
-from collections.abc import Sequence
 from math import floor, isfinite, log10
 
 import numpy as np
 
 from identification.locating.located import PlacedForce
 from identification.reached import ERROR_REACHED
-from identification.result import Diagnosis, Estimate, MissingForce, Score, Stage
+from identification.result import Diagnosis, Estimate, MissingForce, Score, Stage, largest_at, loudest
 
 COUNTS = ("no effect", "one effect", "two effects", "three effects", "four effects", "five effects")
 
@@ -131,25 +130,21 @@ def second_line(diagnosis: Diagnosis) -> str:
 def _unexplained_force(diagnosis: Diagnosis) -> list[str]:
     """Where it acts, by the profile along the beam, and when it is largest; at the laws' places where there is none."""
     found = diagnosis.located
+    if found is not None and found.sensor and found.where:
+        return [f"What is left lies in channel {found.sensor}."]
     if found is not None and found.where:
-        where = f"What is left lies in channel {found.sensor}" if found.sensor else f"It acts at {found.where}"
-        return [f"{where}{_largest(found.forces)}."]
+        return [f"It acts at {found.where}, {_size(loudest(found.forces))}."]
     if found is not None:
         return [f"Where along the beam: {found.words}."]
     if not diagnosis.missing_forces:
         return []
-    most = max(diagnosis.missing_forces, key=lambda force: float(force.force.std()))
-    return [f"The unexplained force is largest {at(most.place)}{_largest(diagnosis.missing_forces)}."]
+    most = loudest(diagnosis.missing_forces)
+    return [f"The unexplained force is largest {at(most.place)}, {_size(most)}."]
 
 
-def _largest(forces: Sequence[PlacedForce | MissingForce]) -> str:
-    """Its size in the record in which it is largest, and when it is largest there; empty without a force."""
-    if not forces:
-        return ""
-    most = max(forces, key=lambda force: float(force.force.std()))
-    moment = int(np.argmax(np.abs(most.force))) / most.fs
-    size = number(float(f"{most.force.std():.3g}"))
-    return f", {size} N rms in {most.record} and largest there at {moment:.3g} s"
+def _size(force: PlacedForce | MissingForce) -> str:
+    size = number(float(f"{force.force.std():.3g}"))
+    return f"{size} N rms in {force.record} and largest there at {largest_at(force):.3g} s"
 
 
 def at(place: str) -> str:

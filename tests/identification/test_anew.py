@@ -3,9 +3,9 @@
 import pytest
 from trial_records import beam_session, found_with
 
-from identification.anew import MOST_LOOKS, NEAR_THE_TRUTH, looked_for_anew
+from identification.anew import NEAR_THE_TRUTH, looked_for_anew
 from identification.evidence import Ranked
-from identification.exchange import Exchange
+from identification.exchange import MOST_TRIALS, Exchange
 from identification.reached import NOISE_REACHED
 from models.effects import EFFECTS, Place
 from models.effects.absorber import Absorber
@@ -82,4 +82,4 @@ def test_where_nothing_explains_more_all_stays_as_it_was(session):
     session.progress = said.append
 
     assert looked_for_anew(session, found_with(session), now) is now
-    assert 0 < sum("anew" in words for words in said) <= MOST_LOOKS
+    assert 0 < sum("anew" in words for words in said) <= MOST_TRIALS
