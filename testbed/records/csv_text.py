@@ -1,5 +1,6 @@
 """CSV: a header of ``name [unit]``, one row a sample; a column ``time [s]``, or ``# fs = 2048`` above the header."""
 
+import codecs
 import csv
 import re
 from pathlib import Path
@@ -8,6 +9,7 @@ import numpy as np
 
 from models.arrays import FloatArray
 from models.errors import InputError
+from testbed.records.headings import check_brackets
 from testbed.records.recording import RawChannel, Recording, Tag, headed
 
 HOLDS = 'a header of "name [unit]" and one row of numbers for each sample'
@@ -15,6 +17,7 @@ HOLDS = 'a header of "name [unit]" and one row of numbers for each sample'
 _SETTING = re.compile(r"#\s*(fs|excitation_position)\s*[=:]\s*(\S+).*")
 _TIME_NAMES = ("time", "t")
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
+_WITHOUT_POINT = re.compile(r"[-+]?\d+([eE][-+]?\d+)?")
 
 
 def read(path: Path) -> Recording:
@@ -24,7 +27,7 @@ def read(path: Path) -> Recording:
         path: separated by comma, semicolon or tab; with semicolons, decimal commas are understood.
 
     Raises:
-        InputError: no header, a row of another length, a cell that is no number.
+        InputError: no header, a unit in round brackets, a row of another length, a cell that is no number.
     """
     lines = [line for line in _text(path).splitlines() if line.strip()]
     settings = {m[1]: m[2] for line in lines if (m := _SETTING.fullmatch(line.strip()))}
@@ -32,6 +35,7 @@ def read(path: Path) -> Recording:
     header, rows = _split(lines, path.name)
     separator = max(";\t,", key=header.count)
     tags = [headed(cell) for cell in next(csv.reader([header], delimiter=separator))]
+    check_brackets(tags, path.name)
     values = _numbers(rows, separator, tags, path.name)
     time_at = next((i for i, tag in enumerate(tags) if (tag.name or "").lower() in _TIME_NAMES), None)
     return Recording(
@@ -64,6 +68,8 @@ def write(recording: Recording, path: Path) -> None:
 
 def _text(path: Path) -> str:
     content = path.read_bytes()
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return _utf_16(content, path.name)
     if b"\0" in content:
         raise InputError(f"{path.name}: holds binary data", f"a .csv file has {HOLDS}", "check the file's suffix")
     try:
@@ -71,6 +77,18 @@ def _text(path: Path) -> str:
     except UnicodeDecodeError:
         # Older Windows programs write µ and ² so.
         return content.decode("cp1252", errors="replace")
+
+
+def _utf_16(content: bytes, file: str) -> str:
+    """What spreadsheets call Unicode text."""
+    try:
+        return content.decode("utf-16")
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"{file}: byte {error.start + 1} is not UTF-16, as which the file begins",
+            f"a .csv file has {HOLDS}",
+            "the file may be cut short: export it again, in UTF-8",
+        ) from None
 
 
 def _split(lines: list[str], file: str) -> tuple[str, list[str]]:
@@ -108,6 +126,8 @@ def _bad_row(rows: list[str], separator: str, tags: list[Tag], file: str) -> Inp
     """The first row that is too short, too long or no row of numbers."""
     for sample, row in enumerate(rows):
         cells = next(csv.reader([row], delimiter=separator))
+        if separator == "," and _are_halves(cells, len(tags)):
+            return _decimal_commas(f"{file}: sample {sample} has {len(cells)} values, the header {len(tags)}")
         if len(cells) != len(tags):
             return InputError(
                 f"{file}: sample {sample} has {len(cells)} values, the header {len(tags)}",
@@ -116,12 +136,28 @@ def _bad_row(rows: list[str], separator: str, tags: list[Tag], file: str) -> Inp
             )
         for tag, cell in zip(tags, cells, strict=True):
             if not _is_number(cell):
+                given = f'{file}: channel {tag.shown}, sample {sample} is "{cell.strip()[:40]}"'
+                if _is_number(cell.replace(",", ".")):
+                    return _decimal_commas(given)
                 return InputError(
-                    f'{file}: channel {tag.shown}, sample {sample} is "{cell.strip()[:40]}"',
+                    given,
                     "a sample is a number",
                     "repair the sample, or cut the record before it",
                 )
     return InputError(f"{file}: cannot be read", f"a .csv file has {HOLDS}", "check the file's suffix")
+
+
+def _are_halves(cells: list[str], n_columns: int) -> bool:
+    """Whether numbers with decimal commas were taken apart: too many cells, and a point in none of them."""
+    return len(cells) > n_columns and all(_WITHOUT_POINT.fullmatch(cell.strip()) for cell in cells)
+
+
+def _decimal_commas(given: str) -> InputError:
+    return InputError(
+        given,
+        "decimals take a point where commas or tabs stand between the values; these look like decimal commas",
+        "export with decimal points, or with semicolons between the values",
+    )
 
 
 def _is_number(cell: str) -> bool:

@@ -61,8 +61,10 @@ def read_file(path: Path) -> AnyRecording:
         path: of any known suffix.
 
     Raises:
-        InputError: there is no such file, or its content is not what the suffix says.
+        InputError: there is no such file, it is a directory, or its content is not what the suffix says.
     """
+    if path.is_dir():
+        raise InputError(f"{path}: is a directory", "a record is a file", "name the files inside it")
     form = format_of(path)
     _check_there(path, form)
     try:

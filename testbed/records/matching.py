@@ -178,6 +178,10 @@ def _excitation(
             f"{recording.file}: channel {tag.shown}, the only force, is taken as the excitation {rig.excitation.name}"
         )
         return forces[0], _place(tag, recording, rig), [guess]
+    named = next((c for c in recording.channels if _is_named(c.tag, rig.excitation)), None)
+    if named is not None and sensor_of(named.tag, rig.sensors) is None:
+        # Its unit is that of another quantity, which is told when it is converted.
+        return named, _place(named.tag, recording, rig), []
     return None, None, [f"{recording.file}: no channel for the excitation {rig.excitation.name}; read as a free decay"]
 
 
@@ -191,11 +195,15 @@ def _is_called(tag: Tag, excitation: Excitation, sensors: Sequence[Sensor], quan
     found = quantity_of(tag)
     if found not in (None, quantity):
         return False
-    if tag.name is not None and identifier(tag.name) == identifier(excitation.name):
+    if _is_named(tag, excitation):
         return True
     # A sensor at the drive point may carry the same node; without a quantity the channel is the sensor's.
     shared = any(sensor.node == tag.node and found in (None, sensor.quantity) for sensor in sensors)
     return tag.node is not None and tag.node == excitation.node and not shared
+
+
+def _is_named(tag: Tag, excitation: Excitation) -> bool:
+    return tag.name is not None and identifier(tag.name) == identifier(excitation.name)
 
 
 def _place(tag: Tag, recording: Recording, rig: Rig) -> float | None:

@@ -80,6 +80,19 @@ def _factor_to_si(unit: "pint.Unit", quantity: str) -> float | None:
     return _factor(unit, _registry().parse_units(SI_UNITS[quantity]))
 
 
+def is_unit(label: str) -> bool:
+    """Whether a label is the unit of a time or of a quantity that is measured, in volts or counts too.
+
+    Args:
+        label: as a file has it.
+    """
+    unit = _unit(label)
+    if unit is None:
+        return False
+    is_time = unit.dimensionality == _registry().second.dimensionality
+    return is_time or _is_electrical(unit) or quantity_of(Tag(unit=label)) is not None
+
+
 def quantity_of(tag: Tag) -> str | None:
     """The quantity that a channel's unit, or else its file, says it is; None for volts, unknown units and silence."""
     unit = _unit(tag.unit) if tag.unit is not None else None

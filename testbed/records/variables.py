@@ -12,6 +12,7 @@ import numpy as np
 
 from models.arrays import AnyArray
 from models.errors import InputError
+from testbed.records.headings import check_brackets
 from testbed.records.recording import RawChannel, Recording, Tag, headed, identifier
 
 TIME_NAMES = ("time", "t")
@@ -27,9 +28,11 @@ def recording_of(file: str, variables: Mapping[str, AnyArray], units: Mapping[st
         units: name -> unit label.
 
     Raises:
-        InputError: ``fs`` or ``excitation_position`` is not one number, time is not a vector of numbers.
+        InputError: a unit in round brackets, ``fs`` or ``excitation_position`` is not one number, time is not a
+            vector of numbers.
     """
     tags = {key: _tag(key, units) for key in variables}
+    check_brackets(tags.values(), file)
     reserved = {name: key for key, tag in tags.items() if (name := str(tag.name).lower()) in RESERVED}
     channels, remarks = [], []
     for name, values in variables.items():

@@ -151,6 +151,14 @@ def test_time_in_milliseconds(tmp_path):
     assert read_csv(tmp_path, [lines[0].replace("[s]", "[ms]"), *lines[1:]]).fs == pytest.approx(2000)
 
 
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "utf-16-be"])
+def test_text_with_a_byte_order_mark_is_read(tmp_path, encoding):
+    lines = csv_lines()
+    if encoding == "utf-16-be":
+        lines[0] = "\ufeff" + lines[0]
+    assert read_csv(tmp_path, lines, encoding=encoding).sensors == ("P1", "P2", "P3", "P4")
+
+
 def test_micro_and_square_in_an_old_encoding(tmp_path):
     rig = a_rig(sensors=sensors(quantity="displacement"))
     lines = csv_lines(units=("N", *["µm"] * 4))
