@@ -10,6 +10,7 @@ from models.arrays import FloatArray
 from models.errors import InputError
 from models.record import Record
 from models.rig import Rig
+from testbed.records.dying import undying
 from testbed.records.formats import read_file
 from testbed.records.read import read_record
 from testbed.records.recording import RawChannel, Recording
@@ -111,6 +112,8 @@ def channels_of_file(path: Path, excitation: str | None, without: Sequence[str] 
     findings = [f"{path.name}: channel {name} is dead; left out" for name in signals if name not in alive]
     force, quantity = (None, "") if driving is None else _in_si(recording, driving)
     responses = np.stack([samples for samples, _ in alive.values()])
+    driven = undying(list(responses)) if force is None or is_dead(force) else None
+    findings += [] if driven is None else [f"{path.name}: {driven}"]
     return Channels(
         path.name,
         sampling_rate(recording, responses.shape[1]),
@@ -146,6 +149,12 @@ def _driving(path: Path, channels: Sequence[RawChannel], name: str | None) -> Ra
         return called[0]
     if not called and name is None:
         return None
+    if not called:
+        raise InputError(
+            f"{path.name}: --excitation {name}: no channel has that name",
+            f"its channels are {', '.join(_name(channel) for channel in channels)}",
+            "name one of these, or leave the option out for the only force",
+        )
     raise no_excitation(path.name, [_name(channel) for channel in channels])
 
 

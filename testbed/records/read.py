@@ -1,7 +1,7 @@
 """``read_record``: a file, resolved against a rig, as a record in SI units."""
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,6 +13,7 @@ from models.errors import InputError
 from models.record import AnyRecord, FrfRecord, ModeShapeRecord, Record
 from models.rig import Rig
 from models.structure import Structure
+from testbed.records.dying import undying
 from testbed.records.formats import read_file
 from testbed.records.linear import frf_record, mode_shape_record
 from testbed.records.matching import Matched, check_left_out, match
@@ -86,12 +87,14 @@ def _time_record(
         name = rig.excitation.name
         faults.append(Fault((name,), f"the excitation {name} is dead: {excitation[0]:g} throughout"))
         excitation = position = None
-    if faults and strict:
-        raise _refused(file, faults)
     out = {name for fault in faults for name in fault.sensors}
     responses = {name: samples for name, samples in signals.responses.items() if name not in out}
     if not responses:
+        raise _nothing_measured(file, signals.responses, faults)
+    if faults and strict:
         raise _refused(file, faults)
+    driven = None if excitation is not None else undying(list(responses.values()))
+    told = (*(f"{fault.reason}; left out" for fault in faults), *([] if driven is None else [driven]))
     return Record(
         name=file,
         fs=fs,
@@ -100,7 +103,7 @@ def _time_record(
         responses=np.stack(list(responses.values())),
         excitation_position=position,
         moving_start=starts_moving(excitation, responses, rig, fs, freq),
-        findings=(*matched.findings, *signals.findings, *(f"{file}: {fault.reason}; left out" for fault in faults)),
+        findings=(*matched.findings, *signals.findings, *(f"{file}: {words}" for words in told)),
     )
 
 
@@ -139,6 +142,18 @@ def _check_duration(file: str, n_samples: int, fs: float, freq: float) -> None:
             f"a record lasts at least one period of the first mode, {1 / freq:.4g} s",
             "record for longer, or check fs",
         )
+
+
+def _nothing_measured(file: str, responses: Mapping[str, FloatArray], faults: list[Fault]) -> InputError:
+    """What to say where no channel is left, which leaving channels out would not mend."""
+    dead = all(is_dead(samples) for samples in responses.values())
+    names = ", ".join(responses)
+    return InputError(
+        f"{file}: nothing was measured: "
+        + (f"{names} are constant throughout" if dead else "; ".join(fault.reason for fault in faults)),
+        "a record tells how the rig moves, on one sensor at least",
+        "check sensors, cables, amplifiers and what was exported, then measure or export again",
+    )
 
 
 def _refused(file: str, faults: list[Fault]) -> InputError:

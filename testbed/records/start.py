@@ -65,8 +65,12 @@ def _is_off_rest(samples: FloatArray) -> bool:
     return bool(abs(samples[0]) > max(AT_REST * rms, NOISE * white_rms(samples)))
 
 
-def _noise_rms(samples: FloatArray) -> float:
-    """Standard deviation of the noise; a recorder that filters the noise too leaves none in its stopped band."""
+def noise_rms(samples: FloatArray) -> float:
+    """Standard deviation of the noise; a recorder that filters the noise too leaves none in its stopped band.
+
+    Args:
+        samples: (N,).
+    """
     floors = (quiet_floor(samples).density, silent_floor(samples).density) if samples.size >= FEWEST_TO_HEAR else (0.0,)
     quiet = float(np.sqrt(min(floors)))
     return max(white_rms(samples), quiet if quiet < MOST_NOISE * float(np.std(samples)) else 0.0)
@@ -86,5 +90,5 @@ def _initial_velocity(acceleration: FloatArray, length: int) -> float:
     span = np.linspace(-1.0, 1.0, length)
     velocity = velocity - velocity.mean() - span * np.mean(velocity * span) / np.mean(span**2)
     rms = float(np.sqrt(np.mean(velocity**2)))
-    noise = NOISE * WALK * _noise_rms(acceleration) * np.sqrt(length)
+    noise = NOISE * WALK * noise_rms(acceleration) * np.sqrt(length)
     return float(abs(velocity[0]) / max(rms, noise / MOVING, np.finfo(float).tiny))

@@ -150,9 +150,13 @@ def clipped(column, limit):
 ALWAYS = {
     # What is no record at all.
     "missing": (lambda folder: folder / "nowhere.csv", ["nowhere.csv", "there is no such file"]),
-    "folder": (lambda folder: (folder / "f.csv", (folder / "f.csv").mkdir())[0], ["f.csv", "there is no such file"]),
+    "folder": (
+        lambda folder: (folder / "f.csv", (folder / "f.csv").mkdir())[0],
+        ["f.csv: is a directory", "files inside it"],
+    ),
     "suffix": (content("bad.xlsx", b"x"), ["bad.xlsx", '".xlsx"', ".csv", ".uff"]),
     "near suffix": (content("bad.uf", b"x"), ["bad.uf", "rename it to .uff"]),
+    "folder without suffix": (lambda folder: folder, ["is a directory"]),
     "no suffix": (content("bad", b"x"), ["bad", "a record is one of"]),
     **{f"empty {s}": (content(f"bad{s}", b""), [f"bad{s}", "empty"]) for s in (".uff", ".csv", ".mat", ".h5", ".npz")},
     **{
@@ -197,6 +201,28 @@ ALWAYS = {
     "two rates": (csv(lambda lines: ["# fs = 1000", *lines]), ["bad.csv", "1000 Hz", "2048 Hz"]),
     "negative rate": (csv(lambda lines: ["# fs = -2048", *lines]), ["bad.csv", "fs = -2048.0 Hz", "above 0"]),
     "beyond the tip": (csv(lambda lines: ["# excitation_position = 2", *lines]), ["bad.csv", "2.0 m", "0 to 1.469"]),
+    "excitation in another quantity": (
+        header("shaker [N]", "shaker [m/s^2]"),
+        ["bad.csv", 'channel shaker is in "m/s^2"', "shaker is a force, in N", "correct the unit"],
+    ),
+    "round brackets": (
+        header("P3 [m/s^2]", "P3 (m/s^2)"),
+        ["bad.csv", '"P3 (m/s^2)"', "square brackets", "write P3 [m/s^2]"],
+    ),
+    "time in round brackets": (header("time [s]", "time (s)"), ["bad.csv", "square brackets", "write time [s]"]),
+    "npz in round brackets": (npz(**{"P3": None, "P3 (m/(s^2))": noise(4)}), ["bad.npz", "write P3 [m/(s^2)]"]),
+    "decimal commas": (
+        csv(lambda lines: [lines[0], *(line.replace(".", ",") for line in lines[1:])]),
+        ["bad.csv", "sample 0 has", "the header 6", "decimal commas", "semicolons"],
+    ),
+    "decimal commas between tabs": (
+        csv(lambda lines: [line.replace(",", "\t").replace(".", ",") for line in lines]),
+        ["bad.csv", "channel shaker, sample 0", "decimal commas"],
+    ),
+    "half a character of UTF-16": (
+        content("bad.csv", "\n".join(csv_lines()).encode("utf-16")[:-1]),
+        ["bad.csv", "UTF-16", "export it again"],
+    ),
     # UFF.
     "uff cut in data": (cut_uff(20000), ["bad.uff", "does not end", "-1"]),
     "uff cut in ascii": (cut_uff(20000, binary=0), ["bad.uff", "does not end"]),
@@ -247,6 +273,10 @@ ALWAYS = {
     "modes at different nodes": (
         uff(a_mode([1, 2], [1.0, 2.0]), a_mode([1, 3], [1.0, 2.0])),
         ["bad.uff", "mode 2", "other nodes"],
+    ),
+    "nothing measured": (
+        csv(lambda lines: [lines[0], *(",".join([*line.split(",")[:2], *"0000"]) for line in lines[1:])]),
+        ["bad.csv: nothing was measured: P1, P2, P3, P4 are constant", "check sensors"],
     ),
     # Named arrays.
     "no rate": (mat(fs=None), ["bad.mat", "neither fs nor time", "add fs"]),
@@ -333,7 +363,7 @@ def test_not_all_sensors_can_be_left_out(tmp_path):
 
 
 def test_a_record_of_dead_channels_alone_is_refused_by_diagnose_too(tmp_path):
-    with pytest.raises(InputError, match="channel P1 is dead"):
+    with pytest.raises(InputError, match="nothing was measured: P1, P2"):
         read_record(npz(**{name: np.zeros(600) for name, *_ in SENSORS})(tmp_path), a_rig(), strict=False)
 
 
