@@ -124,10 +124,11 @@ def _missing(detail: ErrorDetails) -> Words:
 
 def _unknown(detail: ErrorDetails) -> Words:
     known = list(_part(detail).model_fields)
+    near = nearest(_key(detail), known)
     return (
         f"{_path(_location(detail))} is unknown",
         f"the keys of {_table(detail)} are {', '.join(known)}",
-        f"the nearest one is {nearest(_key(detail), known)}",
+        f"the nearest one is {_HEADS.get(near, near)}",
     )
 
 

@@ -1,5 +1,6 @@
 """The rig's TOML file: read with errors that an engineer can act on, written with the owner's comments kept."""
 
+import re
 import secrets
 import shutil
 import tomllib
@@ -16,6 +17,9 @@ from models.rig_faults import first_fault
 
 RECORDS = {".uff", ".unv", ".csv", ".mat", ".h5", ".hdf5", ".npz"}
 """Suffixes of records, which are mistaken for rig files now and then."""
+
+_SINGLE = re.compile(r"^\s*\[((sleeve|sensor|effect)s?)\]", re.MULTILINE)
+"""The head of a table that stands in a list, as a table of its own."""
 
 
 def read_rig(path: Path | str) -> Rig:
@@ -82,6 +86,13 @@ def _parse(text: str, file: str) -> Rig:
     try:
         content = tomllib.loads(text.removeprefix("\ufeff"))
     except (ValueError, RecursionError) as error:
+        single = _SINGLE.search(text)
+        if single:
+            raise InputError(
+                f"{file}: [{single[1]}] in single brackets ({error})",
+                "sleeves, sensors and effects are lists of tables, one for each",
+                f"head each one with [[{single[2]}s]], in double brackets",
+            ) from error
         raise InputError(
             f"{file}: {error}",
             "a rig file is valid TOML",

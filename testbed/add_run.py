@@ -14,7 +14,6 @@ from models.effects import Effect
 from models.errors import InputError
 from models.record import Record
 from models.rig import EffectEntry
-from models.rig_file import read_rig
 from models.rig_parts import term
 from testbed.add import Added, add_effect, pattern_of
 from testbed.compare_run import write_comparison
@@ -22,6 +21,7 @@ from testbed.history import Model, remember
 from testbed.inputs import Inputs
 from testbed.loop import estimate_json, identity, rig_of
 from testbed.outputs import Json, staged
+from testbed.whole_rig import whole_rig
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +72,7 @@ def check_effect(rig_path: Path, kind: str, settings: Mapping[str, Any]) -> None
     Raises:
         InputError: a rig file with errors, or an effect that does not fit the rig.
     """
-    pattern_of(read_rig(rig_path), _entry(kind, settings))
+    pattern_of(whole_rig(rig_path), _entry(kind, settings))
 
 
 def _entry(kind: str, settings: Mapping[str, Any]) -> EffectEntry:

@@ -6,15 +6,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from models.effects import EFFECTS, build_effect
 from models.errors import InputError
-from models.plant import contact_of
 from models.record import FrfRecord, Record
 from models.rig import Rig
 from models.rig_file import read_rig
 from testbed.doubts import rig_doubts
 from testbed.records.formats import read_file
 from testbed.records.read import read_record
+from testbed.whole_rig import rig_faults
 
 Severity = Literal["error", "finding", "fine"]
 
@@ -36,7 +35,10 @@ class Finding:
     @property
     def line(self) -> str:
         """Severity, path and text, the file's name said once."""
-        return f"{self.severity}: {self.file}: {self.text.removeprefix(f'{Path(self.file).name}: ')}"
+        text = self.text
+        for name in (self.file, Path(self.file).name):
+            text = text.removeprefix(f"{name}: ").removeprefix(f"{name} ")
+        return f"{self.severity}: {self.file}: {text}"
 
 
 def check_files(rig_path: Path, records: Sequence[Path], without: Sequence[str] = ()) -> list[Finding]:
@@ -51,7 +53,7 @@ def check_files(rig_path: Path, records: Sequence[Path], without: Sequence[str] 
     rig = None
     try:
         rig = read_rig(rig_path)
-        findings += [Finding(str(rig_path), "error", text) for text in _effect_faults(rig, rig_path)]
+        findings += [Finding(str(rig_path), "error", f"{rig_path.name}: {fault}") for fault in rig_faults(rig)]
     except InputError as error:
         findings.append(Finding(str(rig_path), "error", str(error)))
     if rig is not None:
@@ -66,20 +68,6 @@ def check_files(rig_path: Path, records: Sequence[Path], without: Sequence[str] 
             found.append(Finding(str(path), "error", f"{path.name} is the name of {names[path.name]} records"))
         findings += found
     return findings
-
-
-def _effect_faults(rig: Rig, path: Path) -> Iterator[str]:
-    """What reading alone does not see: laws and effects that the library does not have, or not there."""
-    for sleeve in rig.sleeves:
-        try:
-            contact_of(sleeve)
-        except InputError as error:
-            yield f"{path.name}: {error}"
-    for entry in rig.effects:
-        try:
-            build_effect(entry, rig, EFFECTS)
-        except InputError as error:
-            yield f"{path.name}: {error}"
 
 
 def _rig_in_words(rig: Rig) -> str:

@@ -10,10 +10,10 @@ from typing import Any
 from models.errors import InputError
 from models.record import AnyRecord, Record
 from models.rig import Rig
-from models.rig_file import read_rig
 from testbed import __version__
 from testbed.doubts import rig_doubts
 from testbed.records.read import read_record
+from testbed.whole_rig import whole_rig
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +64,7 @@ def read_inputs(
     Raises:
         InputError: a file that cannot be used, or two records of one name.
     """
-    rig = read_rig(rig_path)
+    rig = whole_rig(rig_path)
     check_names([*records, *holdout])
     digests = {path: sha256(path) for path in (*records, *holdout) if path.is_file()}
     for path in holdout:

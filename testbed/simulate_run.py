@@ -17,7 +17,6 @@ from models.effects import entry_of
 from models.errors import InputError, in_file
 from models.plant import Plant
 from models.rig import Rig
-from models.rig_file import read_rig
 from models.simulators import simulator
 from models.simulators.protocol import Motion, Resolution
 from testbed import __version__
@@ -30,6 +29,7 @@ from testbed.records.write import node_at, write_record
 from testbed.virtual.campaign import Run, runs_of
 from testbed.virtual.experiment import Experiment, read_experiment
 from testbed.virtual.laboratory import Laboratory, carry_out, laboratory_of
+from testbed.whole_rig import whole_rig
 
 TRUTH, SIMULATION = "truth.toml", "simulation.json"
 
@@ -75,7 +75,7 @@ def run_experiment(order: Order, out: Path, *, jobs: int, progress: Progress, po
         InputError: a rig, an experiment or a simulator that do not fit together, or a folder that cannot be written.
         ArithmeticError: the motion left the finite numbers.
     """
-    rig, experiment = read_rig(order.rig_path), read_experiment(order.experiment_path)
+    rig, experiment = whole_rig(order.rig_path), read_experiment(order.experiment_path)
     with in_file(order.experiment_path.name):
         runs, laboratory = runs_of(experiment, rig), laboratory_of(experiment, rig)
     for run in runs:
@@ -157,7 +157,7 @@ def one_run(order: Order, out: Path, number: int) -> Json:
         out: folder of the results.
         number: of the run.
     """
-    rig, experiment = read_rig(order.rig_path), read_experiment(order.experiment_path)
+    rig, experiment = whole_rig(order.rig_path), read_experiment(order.experiment_path)
     run, laboratory = runs_of(experiment, rig)[number], laboratory_of(experiment, rig)
     record, motion = carry_out(laboratory, run, number, order.simulator, order.resolution)
     file = f"{run.name}{order.suffix}"

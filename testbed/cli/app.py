@@ -30,6 +30,7 @@ from testbed.cli import (
     sweep,
     undo,
 )
+from testbed.cli.usage import usage_words
 
 app = typer.Typer(name="testbed", add_completion=False, pretty_exceptions_enable=False)
 
@@ -85,7 +86,7 @@ def main(arguments: Sequence[str]) -> int:
     except InputError as error:
         return _refuse(str(error))
     except UsageErrors as error:
-        return _refuse(_usage(error))
+        return _refuse(usage_words(error))
     except ArithmeticError as error:
         return _refuse(
             f"the computation left the finite numbers: {error}; a passive rig stays finite under its measured "
@@ -97,14 +98,6 @@ def main(arguments: Sequence[str]) -> int:
     except (KeyboardInterrupt, typer.Abort):
         return INTERRUPTED
     return status if isinstance(status, int) else 0
-
-
-def _usage(error: BaseException) -> str:
-    """A wrong option or argument in three parts, with the help to look into."""
-    context = getattr(error, "ctx", None)
-    command = context.command_path if context is not None else "testbed"
-    message = error.format_message() if hasattr(error, "format_message") else str(error)
-    return f"{command}: {message.rstrip('.')}; a command takes what its help shows; see {command} --help"
 
 
 def _refuse(message: str) -> int:

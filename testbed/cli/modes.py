@@ -18,14 +18,14 @@ def modes(
     as_json: AsJson = False,
 ) -> None:
     """The state at rest, which sleeves touch, frequencies, damping, shapes: modes.json and figures."""
-    from models.rig_file import read_rig
     from testbed.cli.tables import print_json, print_table, say
     from testbed.figures.modes import modes_figure
     from testbed.figures.save import save
     from testbed.modes import modes_json, rig_modes
     from testbed.outputs import json_text, staged
+    from testbed.whole_rig import whole_rig
 
-    found = rig_modes(read_rig(rig), highest)
+    found = rig_modes(whole_rig(rig), highest)
     content, folder = modes_json(found), out_folder(out, rig)
     with staged(folder) as stage:
         (stage / "modes.json").write_text(json_text(content), encoding="utf-8")

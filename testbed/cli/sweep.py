@@ -30,13 +30,13 @@ def sweep(
     """Steady motion under sines at several levels, around its folds, and the backbone: sweep.json and a figure."""
     folder = out_folder(out, rig)
     with progress() as tell:
-        from models.rig_file import read_rig
         from testbed.figures.save import save
         from testbed.figures.sweep import sweep_figure
         from testbed.outputs import json_text, staged
         from testbed.sweep import sweep_json, swept
+        from testbed.whole_rig import whole_rig
 
-        found = swept(read_rig(rig), amplitudes, (low, high), sensor, highest, tell)
+        found = swept(whole_rig(rig), amplitudes, (low, high), sensor, highest, tell)
         content = sweep_json(found)
         with staged(folder) as stage:
             (stage / "sweep.json").write_text(json_text(content), encoding="utf-8")

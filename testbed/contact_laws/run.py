@@ -7,7 +7,6 @@ from pathlib import Path
 from identification.progress import Progress
 from models.errors import InputError
 from models.rig import Beam
-from models.rig_file import read_rig
 from testbed.contact_laws.ball_study import ball_study, strikes
 from testbed.contact_laws.beam_study import beam_study, frf_study
 from testbed.contact_laws.laws import STUDY_LAWS
@@ -15,6 +14,7 @@ from testbed.contact_laws.page import Study, page_of, study_json
 from testbed.figures.contact_laws import LOOP_SET, LOOP_SPEED, beam_figure, loops_figure, restitution_figure
 from testbed.figures.save import save
 from testbed.outputs import Json, json_text, staged
+from testbed.whole_rig import whole_rig
 
 
 def run_contact_laws(rig_path: Path, out: Path, *, command: Sequence[str], progress: Progress) -> Json:
@@ -33,7 +33,7 @@ def run_contact_laws(rig_path: Path, out: Path, *, command: Sequence[str], progr
         InputError: a rig that is no beam with sleeves, or a folder that cannot be written.
         DivergenceError: a simulator lost the motion.
     """
-    rig = read_rig(rig_path)
+    rig = whole_rig(rig_path)
     if not isinstance(rig.structure, Beam) or not rig.sleeves or rig.excitation is None:
         raise InputError(
             f"{rig_path.name}: no beam that a force drives and sleeves support",

@@ -6,13 +6,13 @@ import numpy as np
 
 from identification.decay.sleeve_poles import ratios_of
 from identification.progress import Progress
-from models.rig_file import read_rig
 from testbed.cosim.lockstep import Run, run_in_lockstep
 from testbed.cosim.measures import Measures, effect_of, measures_of
 from testbed.cosim.plan import Plan, Wish, plan_of
 from testbed.figures.cosim import cosim_figure
 from testbed.figures.save import save
 from testbed.outputs import Json, json_text, staged
+from testbed.whole_rig import whole_rig
 
 OFTEN = 0.05
 """Share of estimates that contradict themselves from which on it is said; chance makes a quarter of a percent."""
@@ -37,7 +37,7 @@ def cosimulate(rig_path: Path, wish: Wish, out: Path, progress: Progress) -> Jso
     Raises:
         InputError: a rig that cannot be followed: see ``plan_of`` and ``run_in_lockstep``.
     """
-    plan = plan_of(read_rig(rig_path), wish)
+    plan = plan_of(whole_rig(rig_path), wish)
     run = run_in_lockstep(plan, progress)
     measures = measures_of(plan, run)
     content = {"rig": rig_path.name, **_plan_json(plan), **_measures_json(measures, run), **_course_json(plan, run)}

@@ -6,12 +6,12 @@ from pathlib import Path
 
 from identification.progress import Progress
 from models.plant import build_plant
-from models.rig_file import read_rig
 from testbed.crosscheck.page import crosscheck_json, page_of
 from testbed.crosscheck.study import crosscheck
 from testbed.figures.crosscheck import bounds_figure, convergence_figure, sleeves_figure
 from testbed.figures.save import save
 from testbed.outputs import Json, json_text, staged
+from testbed.whole_rig import whole_rig
 
 
 def run_crosscheck(
@@ -33,7 +33,7 @@ def run_crosscheck(
         InputError: a rig that a simulator cannot carry, or a folder that cannot be written.
         DivergenceError: a simulator lost the motion.
     """
-    rig = read_rig(rig_path)
+    rig = whole_rig(rig_path)
     found = crosscheck(rig, others, progress)
     content = crosscheck_json(found)
     with staged(out) as stage:

@@ -12,7 +12,6 @@ from models.errors import InputError, in_file
 from models.plant import Plant, build_plant
 from models.record import Record
 from models.rig import Beam, Rig
-from models.rig_file import read_rig
 from models.simulators import simulator
 from models.simulators.protocol import Resolution, Trial
 from testbed.figures.film import frames
@@ -23,6 +22,7 @@ from testbed.records.read import read_record
 from testbed.virtual.campaign import runs_of
 from testbed.virtual.experiment import read_experiment
 from testbed.virtual.laboratory import laboratory_of
+from testbed.whole_rig import whole_rig
 
 FRAMES, PER_SECOND = 160, 20
 """Frames, and how many of them are shown in a second."""
@@ -68,7 +68,7 @@ def film(order: Order, out: Path, progress: Progress) -> dict[str, Any]:
             carry, or a stretch that the record does not have.
         DivergenceError: the motion was lost.
     """
-    rig = read_rig(order.rig_path)
+    rig = whole_rig(order.rig_path)
     if not isinstance(rig.structure, Beam):
         raise InputError(
             f"{order.rig_path.name}: structure.kind = 'oscillator'", "a film shows how a beam bends", "film a beam"

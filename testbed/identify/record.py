@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from identification.decay.free import free_stretches
+from identification.decay.mode_search import LEAST_PERIODS
+from identification.signals.peaks import LEAST_SAMPLES
 from models.arrays import FloatArray
 from models.errors import InputError
 from models.rig import Rig
@@ -76,16 +78,30 @@ def decays_of(
                 f"it begins before it ends and lies in the record, from 0 to {n / fs:g} s",
                 "change --from or --to",
             )
+        if round(last * fs) - round(first * fs) < LEAST_SAMPLES:
+            raise _too_short(f"{path.name}: a stretch from {first:g} to {last:g} s", last - first, fs)
         return _decays(channels, [(round(first * fs), round(last * fs))], ("the stretch was named",))
-    stretches = free_stretches(channels.excitation, channels.responses, fs, LEAST_SHARE * n / fs)
+    if n < LEAST_SAMPLES:
+        raise _too_short(path.name, n / fs, fs)
+    stretches = free_stretches(channels.excitation, channels.responses, fs, max(LEAST_SHARE * n, LEAST_SAMPLES) / fs)
     if not stretches:
         raise InputError(
             f"{path.name}: the excitation acts throughout",
-            "frequency and damping of the rig itself show while it moves freely",
+            "frequency and damping of the rig itself show while it moves freely, for "
+            f"{LEAST_SAMPLES} samples and {LEAST_SHARE:.0%} of the record at least",
             "name a record with a free decay, or a stretch of this one with --from and --to",
         )
     words = [f"{a / fs:.4g} to {b / fs:.4g} s" for a, b in stretches]
     return _decays(channels, stretches, (f"{len(stretches)} free decay(s): {', '.join(words)}",))
+
+
+def _too_short(where: str, seconds: float, fs: float) -> InputError:
+    return InputError(
+        f"{where}: {seconds:.4g} s, {round(seconds * fs)} samples",
+        f"a decay is followed over {LEAST_SAMPLES} samples or more, {LEAST_SAMPLES / fs:.4g} s at {fs:g} Hz, and over "
+        f"{LEAST_PERIODS:g} periods of its lowest mode",
+        "take a longer stretch with --from and --to, record for longer, or at a higher rate",
+    )
 
 
 def _decays(channels: Channels, stretches: Sequence[tuple[int, int]], findings: tuple[str, ...]) -> Decays:

@@ -12,9 +12,8 @@ from identification.decay.ridge import find_ridge
 from identification.decay.smoother import Interval
 from identification.decay.wavelet import morlet_transform
 from identification.progress import Progress
-from models.errors import InputError
+from models.errors import InputError, in_file
 from models.rig import Rig
-from models.rig_file import read_rig
 from testbed.figures.identify import Scalogram, mode_figure, names_of, sleeve_figure, spectrum_figure
 from testbed.figures.save import save
 from testbed.history import UPDATED
@@ -23,6 +22,7 @@ from testbed.identify.sleeve import SleeveDamping, sleeve_damping, sleeve_findin
 from testbed.identify.words import findings_of
 from testbed.outputs import Json, json_text, staged
 from testbed.quantities import unit_of
+from testbed.whole_rig import whole_rig
 
 SHOWN_FREQUENCIES, SHOWN_TIMES = 96, 600
 """Lines and columns of a scalogram that is drawn."""
@@ -88,7 +88,7 @@ def run_identification(order: Order, settings: Settings, out: Path, *, progress:
             "a sleeve's damping follows from a mode's through the rig's model",
             "name the rig with --rig",
         )
-    rig = None if order.rig is None else read_rig(order.rig)
+    rig = None if order.rig is None else whole_rig(order.rig)
     _check(order, rig)
     decays = decays_of(
         order.record,
@@ -99,7 +99,8 @@ def run_identification(order: Order, settings: Settings, out: Path, *, progress:
         begin=order.begin,
         end=order.end,
     )
-    found = identify(decays.signals, decays.starts, decays.channels.fs, decays.kick_signs, settings, progress)
+    with in_file(decays.channels.name):
+        found = identify(decays.signals, decays.starts, decays.channels.fs, decays.kick_signs, settings, progress)
     content = identification_json(found, decays, settings, order.mass)
     with staged(out) as stage:
         if rig is not None and order.sleeve is not None and order.rig is not None:

@@ -311,6 +311,11 @@ def test_a_spoilt_oscillator_says_what_how_and_where(bad_rig, more, expected):
     ("content", "expected"),
     [
         ("", "structure is missing; a rig has one [structure] table, whose kind is"),
+        (
+            f"{OSCILLATOR_TOML}[sensors]\nname = 1\n[sensors]\nname = 2",
+            "[sensors] in single brackets (Cannot declare",
+        ),
+        (f"{OSCILLATOR_TOML}[[sensor]]\nname = 1", "sensor is unknown; the keys of the rig file are structure"),
         ("structure = 5", "structure = 5; a rig has one [structure] table, whose kind is"),
         (f"effects = [5]\n{OSCILLATOR_TOML}", "effects[0] = 5; effects are a list of tables; head each one"),
         (b'[structure]\nkind = "b\xe4m"', "byte 22 is not UTF-8; a rig file is a text in UTF-8; save it"),
@@ -319,6 +324,12 @@ def test_a_spoilt_oscillator_says_what_how_and_where(bad_rig, more, expected):
 )
 def test_a_file_that_is_no_rig_says_what_it_is(bad_rig, content, expected):
     assert bad_rig(content).startswith(expected)
+
+
+def test_lists_of_tables_are_named_by_their_heads(bad_rig):
+    twice = bad_rig(f"{OSCILLATOR_TOML}[sensors]\nname = 1\n[sensors]\nname = 2")
+    assert twice.endswith("are lists of tables, one for each; head each one with [[sensors]], in double brackets")
+    assert bad_rig(f"{OSCILLATOR_TOML}[[sensor]]\nname = 1").endswith("the nearest one is [[sensors]]")
 
 
 def test_two_misfits_are_told_as_one_problem_and_one_further(bad_rig):

@@ -69,8 +69,11 @@ def test_a_run_carries_what_is_odd_about_its_rig(folder):
 
 def test_a_file_is_named_once_in_a_line(folder):
     (folder / "empty.csv").write_text("")
-    (line,) = (f.line for f in check_files(folder / "rig.toml", [folder / "empty.csv"]) if f.severity == "error")
-    assert line.count("empty.csv") == 1
+    records = [folder / "empty.csv", folder / "nowhere.csv", folder]
+    lines = [f.line for f in check_files(folder / "rig.toml", records) if f.severity == "error"]
+    assert [line.count(str(path)) for line, path in zip(lines, records, strict=True)] == [1, 1, 1]
+    (line, *_) = (f.line for f in check_files(folder / "nowhere.toml", []))
+    assert line == f"error: {folder / 'nowhere.toml'}: does not exist; a rig is a TOML file; correct the path"
 
 
 def test_all_effects_that_do_not_fit_are_told(folder):
@@ -99,6 +102,13 @@ def test_dead_channels_are_errors_with_the_way_out(folder):
     assert "channel P1 is dead" in errors[0]
     assert "channel P3 is dead" in errors[0]
     assert "--without P1 --without P3" in errors[0]
+
+
+def test_a_dead_force_under_a_motion_that_does_not_die_away_is_told(folder):
+    found = check_files(folder / "rig.toml", [silenced(folder, "shaker")])
+    assert [finding.severity for finding in found] == ["fine", "error", "finding"]
+    assert "the excitation shaker is dead" in found[1].text
+    assert "the motion does not die away" in found[2].text
 
 
 def test_a_channel_left_out_is_no_error(folder):

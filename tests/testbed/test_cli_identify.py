@@ -73,6 +73,7 @@ def test_an_equivalent_mass_gives_a_dashpot(folder):
     ("arguments", "message"),
     [
         (["sweep.csv"], "the excitation acts throughout; frequency and damping of the rig itself show while it moves"),
+        (["decay.csv", "--excitation", "x"], "decay.csv: --excitation x: no channel has that name; its channels are P1"),
         (["decay.csv", "--channel", "P9"], "no channel 'P9'; its channels are P1, P2, P3; name one of these"),
         (["decay.csv", "--from", "3", "--to", "2"], "a stretch from 3 to 2 s; it begins before it ends"),
         (["decay.csv", "--sleeve", "sleeve 2"], "--sleeve 'sleeve 2' without a rig; a sleeve's damping follows"),
@@ -85,3 +86,27 @@ def test_bad_input_is_one_message(folder, monkeypatch, capsys, arguments, messag
     assert main(["identify", *arguments, "--out", "bad"]) == 2
     assert message in capsys.readouterr().err
     assert not (folder / "bad" / "identification.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (
+            ["--from", "1", "--to", "1.1"],
+            ["a stretch from 1 to 1.1 s: 0.1 s", "512 samples or more", "--from and --to"],
+        ),
+        (["--band", "50", "20"], ["a band from 50 to 20 Hz", "name its lower edge first"]),
+    ],
+)
+def test_a_stretch_or_band_that_cannot_be_identified_is_told_with_its_record(folder, options, words, capsys):
+    assert main(["identify", str(folder / "decay.csv"), *options, "--out", str(folder / "no")]) == 2
+    message = capsys.readouterr().err.splitlines()[-1]
+    assert message.startswith("decay.csv: ")
+    assert [word for word in words if word not in message] == []
+
+
+def test_a_record_too_short_for_any_decay_says_so(folder, capsys):
+    lines = (folder / "decay.csv").read_text().splitlines()
+    (folder / "cut.csv").write_text("\n".join(lines[:300]) + "\n")
+    assert main(["identify", str(folder / "cut.csv"), "--out", str(folder / "no")]) == 2
+    assert "512 samples or more" in capsys.readouterr().err.splitlines()[-1]

@@ -1,0 +1,49 @@
+"""A wrong option or argument in three parts, whatever the library that reads the command line says of it."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+NUMBERS = {"float": "a number", "int": "a whole number"}
+
+RULES: dict[str, Callable[[Mapping[str, Any]], str]] = {
+    "greater_than": lambda context: f"above {context['gt']:g}",
+    "greater_than_equal": lambda context: f"{context['ge']:g} or more",
+    "less_than": lambda context: f"below {context['lt']:g}",
+    "less_than_equal": lambda context: f"{context['le']:g} or less",
+    "value_error": lambda context: f"one of{str(context['error']).rstrip('.').partition(' is not one of')[2]}".replace(
+        "'", ""
+    ),
+}
+"""What a value has to be, by the kind of its fault."""
+
+
+def usage_words(error: BaseException) -> str:
+    """What was typed, what is expected, and where to look.
+
+    Args:
+        error: typer's, of an unknown command or option, or of a value that it does not take.
+    """
+    context = getattr(error, "ctx", None)
+    command = context.command_path if context is not None else "testbed"
+    value = _value(error)
+    if value is not None:
+        given, rule = value
+        return f"{command}: {given}; it is {rule}; correct it, or see {command} --help"
+    message = error.format_message() if hasattr(error, "format_message") else str(error)
+    return f"{command}: {message.rstrip('.')}; a command takes what its help shows; see {command} --help"
+
+
+def _value(error: BaseException) -> tuple[str, str] | None:
+    """A value and what it has to be; None where something else is wrong, or in unknown words."""
+    from pydantic import ValidationError
+
+    cause, option = error.__cause__, getattr(error, "param", None)
+    if not isinstance(cause, ValidationError) or option is None:
+        return None
+    fault = cause.errors(include_url=False)[0]
+    rule = NUMBERS.get(fault["type"].partition("_")[0])
+    if fault["type"] in RULES:
+        rule = RULES[fault["type"]](fault.get("ctx", {}))
+    if rule is None or rule == "one of":
+        return None
+    return f"Invalid value for {option.get_error_hint()}: {fault['input']}", rule
