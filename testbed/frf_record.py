@@ -1,13 +1,19 @@
 """FRFs of one record, level by level, with or without the rig it belongs to."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
+
+import numpy as np
+from scipy.signal import welch
 
 from identification.frf import FrfEstimate, estimate_frf, estimate_frf_per_level
 from models.arrays import ComplexArray, FloatArray
 from testbed.channels import Channels, no_excitation
 from testbed.compare import SEGMENTS_PER_RECORD
 from testbed.quantities import ratio_unit, unit_of
+
+EXCITED = 1e-5
+"""Share of the excitation's strongest line from which another one is excited: a sensor's noise is further below."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +35,7 @@ class Levels:
 
 
 def levels_of(channels: Channels, resolution: float | None = None) -> Levels:
-    """H1, H2 and coherence at each level; of the whole record where no level fills two segments.
+    """H1, H2 and coherence at each level, over the excited band; of the whole record where no level fills two segments.
 
     Args:
         channels: of the record.
@@ -43,8 +49,22 @@ def levels_of(channels: Channels, resolution: float | None = None) -> Levels:
     duration = channels.responses.shape[1] / channels.fs
     lines = SEGMENTS_PER_RECORD / duration if resolution is None else resolution
     signals = (channels.excitation, channels.responses, channels.fs)
-    estimates = estimate_frf_per_level(*signals, resolution=lines)
-    return Levels(channels, estimates or (estimate_frf(*signals, resolution=lines),))
+    estimates = estimate_frf_per_level(*signals, resolution=lines) or (estimate_frf(*signals, resolution=lines),)
+    return Levels(channels, tuple(_where_excited(estimate, channels.excitation, channels.fs) for estimate in estimates))
+
+
+def _where_excited(estimate: FrfEstimate, excitation: FloatArray, fs: float) -> FrfEstimate:
+    """Without the lines below and above the band that the excitation fills, on which there is noise over noise."""
+    if estimate.period is not None:
+        return estimate
+    spacing = float(np.diff(estimate.frequency).min(initial=estimate.frequency[-1]))
+    # Without each segment's own mean, which would leak into the lowest lines.
+    level = excitation - excitation.mean()
+    lines, power = welch(level, fs, nperseg=min(level.size, round(fs / spacing)), detrend=False)
+    filled = lines[power > EXCITED * power.max()]
+    kept = (estimate.frequency >= filled[0] - 0.5 * spacing) & (estimate.frequency <= filled[-1] + 0.5 * spacing)
+    rows = (estimate.h1[:, kept], estimate.h2[:, kept], estimate.coherence[:, kept])
+    return replace(estimate, frequency=estimate.frequency[kept], h1=rows[0], h2=rows[1], coherence=rows[2])
 
 
 def levels_json(levels: Levels) -> dict[str, Any]:

@@ -20,8 +20,8 @@ WIDTH, HEIGHT, DPI = 9.0, 5.2, 100
 HALF_SLEEVE = 0.012
 """Half the drawn width of a sleeve, as a share of the beam's length."""
 
-WALL_SHARE = 0.06
-"""Drawn thickness of a sleeve's wall, as a share of the height shown."""
+SOLID = 0.35
+"""Opacity of a sleeve's wall: it yields, and a beam that is pressed into it is seen there."""
 
 
 def frames(take: Take, n: int, title: str) -> Iterator[Image.Image]:
@@ -61,7 +61,7 @@ def _reach(contact: Contact) -> float:
 
 
 def _draw_sleeves(ax: Axes, take: Take, largest: float) -> None:
-    """The sleeves' walls as far from the axis as the beam's own axis can go before it touches."""
+    """The sleeves' walls, from where the beam's axis is when it touches them to the frame."""
     length = take.plant.structure.length
     height = 1.25 * largest
     ax.set_xlim(-0.02 * length, 1.02 * length)
@@ -72,9 +72,10 @@ def _draw_sleeves(ax: Axes, take: Take, largest: float) -> None:
         at, half = contact.position or 0.0, HALF_SLEEVE * length
         for wall in (1.0, -1.0):
             edge = 1e3 * (contact.offset + wall * contact.clearance)
-            ax.fill_between([at - half, at + half], edge, edge + wall * 2.0 * WALL_SHARE * height, color=WALL, lw=0.0)
+            ax.fill_between([at - half, at + half], edge, wall * height, color=WALL, alpha=SOLID, linewidth=0.0)
+            ax.plot([at - half, at + half], [edge, edge], color=WALL, linewidth=2.0, solid_capstyle="butt")
         ax.annotate(
-            contact.sleeve, (at, -height), xytext=(0, 4), textcoords="offset points", ha="center",
+            contact.sleeve, (at + half, -height), xytext=(3, 4), textcoords="offset points",
             color=PUSHES[number % len(PUSHES)], fontsize=9,
         )  # fmt: skip
     ax.set_xlabel("position [m]")

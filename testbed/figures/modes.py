@@ -21,4 +21,8 @@ def modes_figure(found: RigModes) -> Figure:
         title = f"{found.modes.natural_freqs[i]:.2f} Hz, damping ratio {100 * found.modes.damping_ratios[i]:.3g} %"
         plot_shape(ax, found.x, found.shapes[i].real, sleeves, title)
     axes[-1].set_xlabel("position [m]")
+    handles, labels = axes[0].get_legend_handles_labels()
+    marks = dict(zip(labels, handles, strict=True))
+    if marks:
+        figure.legend(list(marks.values()), list(marks), loc="outside upper right", ncols=len(marks), fontsize=8)
     return figure

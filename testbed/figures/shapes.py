@@ -20,5 +20,6 @@ def plot_shape(ax: Axes, x: FloatArray, shape: FloatArray, sleeves: Sequence[tup
     ax.axhline(0.0, color="0.8", linewidth=0.8)
     ax.plot(x, shape, color="tab:blue", linewidth=1.2)
     for position, touches in sleeves:
-        ax.plot([position], [0.0], marker="^", color="tab:red", fillstyle="full" if touches else "none")
+        fill, label = ("full", "sleeve that touches at rest") if touches else ("none", "sleeve open at rest")
+        ax.plot([position], [0.0], linestyle="none", marker="^", color="tab:red", fillstyle=fill, label=label)
     ax.set_title(title, fontsize=9)

@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 from cli_files import make_files
 
+from models.rig_file import read_rig
 from testbed.cli.app import main
+from testbed.figures.modes import modes_figure
+from testbed.modes import rig_modes
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +70,9 @@ def test_a_channel_without_unit_needs_the_rig(folder, capsys):
 
 def test_an_excitation_that_is_not_there_is_told_with_the_channels(capsys):
     assert main(["frf", "burst.csv", "--excitation", "hammer"]) == 2
-    assert "no single excitation among its channels (shaker, P1, P2, P3)" in capsys.readouterr().err
+    assert (
+        "--excitation hammer: no channel has that name; its channels are shaker, P1, P2, P3" in capsys.readouterr().err
+    )
 
 
 def test_compare_writes_json_and_figures_and_prints_nothing_else(folder, capsys):
@@ -93,3 +98,9 @@ def test_check_says_all_and_its_status_is_2_for_an_error(folder, capsys):
     content = json.loads(capsys.readouterr().out)
     assert content["errors"] == 2
     assert [row["severity"] for row in content["findings"]] == ["fine", "error", "error", "fine"]
+
+
+def test_the_marks_of_sleeves_in_the_figure_of_modes_are_explained(folder):
+    found = rig_modes(read_rig(folder / "rig.toml"), 200.0)
+    (legend,) = modes_figure(found).legends
+    assert {text.get_text() for text in legend.get_texts()} == {"sleeve open at rest", "sleeve that touches at rest"}
