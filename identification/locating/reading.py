@@ -92,8 +92,9 @@ def reading(facts: Facts) -> tuple[str, ...]:
         words.append(f"at the same motion it {_trend(facts.trend)}")
     if facts.predicted < WHOLE:
         words.append(
-            f"{1.0 - facts.predicted:.0%} of it is no function of the motion at the same moment: it remembers what was "
-            "before, acts elsewhere besides, or is not told from noise"
+            f"{1.0 - facts.predicted:.0%} of it none of the functions tried predicts from the motion at the same "
+            "moment: it depends on displacement and velocity jointly and more steeply than they can, as grease near a "
+            "wall, remembers what was before, acts elsewhere besides, or is not told from noise"
         )
     if np.isfinite(facts.power) and facts.together >= TELLING:
         words.append(f"its size grows as that of the {facts.chosen[0]} to the power of {facts.power:.1f}")
@@ -122,7 +123,8 @@ def _follows(facts: Facts) -> str:
     chosen, explained = facts.chosen, facts.explained
     if facts.together < TELLING:
         return (
-            f"it follows neither displacement nor velocity nor acceleration at the same moment ({facts.together:.0%})"
+            "it follows neither displacement nor velocity nor acceleration by themselves at the same moment "
+            f"({facts.together:.0%})"
         )
     if facts.predicted < TOLD:
         most = " and the ".join(chosen)

@@ -96,7 +96,7 @@ def print_diagnosis(content: Mapping[str, Any]) -> None:
     if judged:
         print_table(("candidate", "probability", "NRMSE"), judged, "first round, each beside the calibrated rig")
     for group in content["indistinguishable"]:
-        say(f"cannot be told apart: {', '.join(named(effect) for effect in group)}")
+        say(f"cannot be told apart by the records, tolerances aside: {', '.join(named(effect) for effect in group)}")
     for finding in content["where"].get("findings", ()):
         say(f"note: {finding}")
     say(f"verdict: {content['verdict']}")

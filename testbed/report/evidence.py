@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.signal import welch
 
+from identification.locating.located import Located
 from identification.result import Candidate, Diagnosis, RecordScore, Stage
 from models.arrays import ComplexArray, FloatArray
 from models.band_limit import SCORE_EDGE
@@ -34,7 +35,7 @@ def because(diagnosis: Diagnosis) -> str:
         )
     first = diagnosis.added[0]
     chosen = next((each for each in diagnosis.candidates if _same(each.effect, first.effect)), None)
-    shows = _shows(first.effect)
+    shows = f"{_shows(first.effect)} {_shown_here(first.effect, diagnosis.located)}"
     if chosen is None:
         return shows
     alike = next((group for group in diagnosis.indistinguishable if any(_same(e, first.effect) for e in group)), ())
@@ -60,9 +61,21 @@ def _about(candidate: Candidate) -> str:
 
 
 def _shows(effect: Effect) -> str:
-    """Where an effect of this kind shows in the data."""
+    """Where an effect of this kind shows in any data."""
     about = effect.signature
-    return f"What gives {effect.kind} away: in frequency, {about.frequency}; by place, {about.place}."
+    return f"What gives {effect.kind} away in general: in frequency, {about.frequency}; by place, {about.place}."
+
+
+def _shown_here(effect: Effect, located: Located | None) -> str:
+    """Whether the place that the records tell without assuming a law is the effect's."""
+    position = effect.place.position
+    if position is None or located is None or located.interval is None or not located.where:
+        return "Whether these records show it so was not judged; what speaks for it here is the error."
+    low, high = located.interval
+    where = f"the missing force at {low:.4g} to {high:.4g} m"
+    if located.holds(position):
+        return f"Of that these records show the place: without assuming a law they put {where}."
+    return f"These records do not show it by place: without assuming a law they put {where}."
 
 
 def evidence_picture(diagnosis: Diagnosis, rig: Rig, place: Picture | None) -> Picture | None:

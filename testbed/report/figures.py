@@ -203,13 +203,16 @@ def place_picture(diagnosis: Diagnosis, rig: Rig) -> Picture | None:
     if found.shape is not None:
         panels = panels_of(found.shape)
         _draw_shape(lower[0].subplots(1, len(panels)), panels, found.shape)
-    return picture(
-        figure,
-        f"Place of the missing force: {found.words}",
-        "Above: how much of the misfit beyond the noise one force explains, free in time, wherever it acts; beside it "
-        "the same for a signal of one channel's own. Below: the force at the most likely place; means in bins with "
-        "two standard errors, the band in which it is not told filled by what it follows.",
+    profiles = (
+        "how much of the misfit beyond the noise one force explains, free in time, wherever it acts; beside it "
+        "the same for a signal of one channel's own."
     )
+    below = (
+        " Below: the force at the most likely place; means in bins with two standard errors, the band in which it is "
+        "not told filled by what it follows."
+    )
+    caption = f"H{profiles[1:]}" if found.shape is None else f"Above: {profiles}{below}"
+    return picture(figure, f"Place of the missing force: {found.words}", caption)
 
 
 Panel = tuple[str, float, str]

@@ -177,6 +177,18 @@ def test_the_verdict_names_the_effect_and_its_figures(rig, diagnosis, tmp_path):
     assert "point_mass at 0.950 m, point_mass at 1.150 m" in page.text
 
 
+def test_a_group_says_what_its_list_leaves_out(rig, diagnosis, tmp_path):
+    words = "This list is without both"
+    assert words in page_of(diagnosis, rig, tmp_path).text
+    assert words not in page_of(replace(diagnosis, indistinguishable=()), rig, tmp_path).text
+
+
+def test_tables_scroll_by_themselves_on_a_narrow_screen(rig, diagnosis, tmp_path):
+    path = write_report(diagnosis, rig, tmp_path, MADE)
+    narrow = path.read_text().partition("@media (max-width: 48rem)")[2].partition("@media print")[0]
+    assert "table { display: block; overflow-x: auto; }" in narrow
+
+
 def test_an_unexplained_rig_says_where_the_force_acts(rig, diagnosis, tmp_path):
     page = page_of(unexplained(diagnosis), rig, tmp_path)
 

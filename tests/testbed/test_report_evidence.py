@@ -130,6 +130,17 @@ def test_the_rival_that_lost_is_named_with_what_it_leaves():
     assert f"{FRICTION.label()}, misses 5.0 % and stands 9 behind in log evidence, decisively" in words
 
 
+def test_the_signature_of_the_kind_is_no_evidence_unless_the_records_show_the_place():
+    diagnosis = made_up_diagnosis(RIG)
+
+    assert because(diagnosis).startswith(f"What gives {FILM.kind} away in general: ")
+    assert "Whether these records show it so was not judged" in because(diagnosis)
+    here = replace(diagnosis, located=replace(located((0.99, 1.01)), place=1.0))
+    assert "these records show the place: without assuming a law they put the missing force at 0.99 to" in because(here)
+    away = replace(diagnosis, located=located((0.4, 0.6)))
+    assert "These records do not show it by place" in because(away)
+
+
 def test_a_rival_of_its_own_group_is_no_rival():
     diagnosis = made_up_diagnosis(RIG)
     third = Candidate(SensorGain(P4, gain=0.8), 0.0, 0.2, -3.0, refitted=False)

@@ -12,6 +12,7 @@ from identification.locating.located import Curve, FreedChannel, Located, Placed
 from models.rig_file import read_rig
 from testbed.loop import diagnosis_json
 from testbed.report import provenance, write_report
+from testbed.report.figures import place_picture
 from testbed.report.words import second_line
 
 RIG = Path("tests/data/reference_rig.toml")
@@ -62,6 +63,16 @@ def test_the_report_shows_words_profile_and_shape(diagnosis, tmp_path):
     assert WORDS[1:] in page
     assert "<li>it follows the displacement (83%)</li>" in page
     assert f"Place of the missing force: {WORDS}" in page
+
+
+def test_the_caption_speaks_of_no_force_where_none_is_drawn(diagnosis):
+    drawn, bare = (
+        place_picture(replace(diagnosis, located=replace(made_up_place(), shape=shape)), read_rig(RIG))
+        for shape in (made_up_place().shape, None)
+    )
+    assert "Below: the force" in drawn.caption
+    assert bare.caption.startswith("How much of the misfit")
+    assert "Below" not in bare.caption
 
 
 def pictures_of(diagnosis, folder):

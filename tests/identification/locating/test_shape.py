@@ -107,7 +107,9 @@ def test_memory_is_told():
 
     found = shape(late)
 
-    assert any("no function of the motion at the same moment" in text for text in found.words)
+    (words,) = (text for text in found.words if "remembers what was before" in text)
+    assert "none of the functions tried predicts from the motion at the same moment" in words
+    assert "jointly" in words
 
 
 def test_no_shape_where_no_force_is_told():
