@@ -73,7 +73,10 @@ def test_an_equivalent_mass_gives_a_dashpot(folder):
     ("arguments", "message"),
     [
         (["sweep.csv"], "the excitation acts throughout; frequency and damping of the rig itself show while it moves"),
-        (["decay.csv", "--excitation", "x"], "decay.csv: --excitation x: no channel has that name; its channels are P1"),
+        (
+            ["decay.csv", "--excitation", "x"],
+            "decay.csv: --excitation x: no channel has that name; its channels are P1",
+        ),
         (["decay.csv", "--channel", "P9"], "no channel 'P9'; its channels are P1, P2, P3; name one of these"),
         (["decay.csv", "--from", "3", "--to", "2"], "a stretch from 3 to 2 s; it begins before it ends"),
         (["decay.csv", "--sleeve", "sleeve 2"], "--sleeve 'sleeve 2' without a rig; a sleeve's damping follows"),
