@@ -1,6 +1,7 @@
 """What is odd about a rig file, though it can be read."""
 
 from collections.abc import Iterator
+from math import pi, sqrt
 
 from models.rig import Beam, Rig
 from models.structure import Structure
@@ -10,6 +11,12 @@ SLENDER = (5.0, 1000.0)
 
 WIDEST = 0.5
 """Clearance over diameter of a sleeve that still is one."""
+
+FIRST_ROOT = 1.8751
+"""Of cos(x) cosh(x) = -1: wave number of the first clamped-free mode times the length."""
+
+MOST_DAMPED = 0.5
+"""Share of critical damping that a beam's first mode may have; steel has a thousandth."""
 
 LARGEST_SAG = 0.1
 """Sag under the beam's own weight without sleeves, as a share of its length, up to which it bends by small angles."""
@@ -33,10 +40,18 @@ def rig_doubts(rig: Rig) -> Iterator[str]:
         return
     bare = Structure.of(beam)
     sag = bare.line_mass * abs(bare.gravity) * bare.length**4 / (8.0 * bare.bending_stiffness)
+    lowest = FIRST_ROOT**2 * sqrt(bare.bending_stiffness / bare.line_mass) / bare.length**2
+    eta1, eta2 = beam.rayleigh_damping
+    ratio = 0.5 * (eta1 / lowest + eta2 * lowest)
     if sag > LARGEST_SAG * beam.length:
         yield (
             f"the beam would sag by {sag:.3g} m without its sleeves; the models are for small angles; are length, "
             "youngs_modulus (Pa) and density (kg/m^3) in SI units?"
+        )
+    elif ratio > MOST_DAMPED:
+        yield (
+            f"rayleigh_damping = [{eta1:g}, {eta2:g}] damps the first mode, {lowest / (2.0 * pi):.3g} Hz, by "
+            f"{ratio:.0%} of critical; is eta1 the first, in 1/s, and eta2 the second, in s?"
         )
     for sleeve in rig.sleeves:
         if sleeve.clearance > WIDEST * beam.diameter:

@@ -33,4 +33,6 @@ def compare(
         print_json(content)
         return
     print_comparison(content)
+    for finding in content["findings"]:
+        say(f"note: {finding}")
     say(f"written: {folder}/compare.json and figures")

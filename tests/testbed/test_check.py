@@ -41,6 +41,7 @@ def test_fine_files_say_what_they_hold(folder):
         ("diameter = 0.02", "diameter = 20.0", "are both in m?"),
         ("youngs_modulus = 210e9", "youngs_modulus = 210e3", "in SI units?"),
         ("clearance = 3e-4", "clearance = 0.3", "is it in m?"),
+        ("rayleigh_damping = [4.0, 2e-5]", "rayleigh_damping = [2e-5, 4.0]", "and eta2 the second, in s?"),
     ],
 )
 def test_numbers_in_another_unit_are_doubted(folder, key, value, doubt):
