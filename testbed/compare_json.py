@@ -16,7 +16,7 @@ def comparison_json(comparison: Comparison) -> Json:
     """The content of ``compare.json``.
 
     The overall figures are those of the time records, or of the FRFs where there is no time record; what a record does
-    not tell (the noise of FRFs, the FRFs of a free decay) is null. A finding is that all channels of a record are off alike.
+    not tell (the noise of FRFs, the FRFs of a free decay) is null. Findings are records with all channels off alike.
 
     Args:
         comparison: finished.
