@@ -40,13 +40,14 @@ def frf(
     from testbed.frf_record import levels_json, levels_of
     from testbed.outputs import json_text, staged
 
+    folder = out_folder(out, record, "frf.json", "figures/")
     left_out = without or []
     if rig is not None:
         channels = channels_with_rig(record, read_rig(rig), left_out)
     else:
         channels = channels_of_file(record, excitation, left_out)
     levels = levels_of(channels, resolution)
-    content, folder = levels_json(levels), out_folder(out, record)
+    content = levels_json(levels)
     with staged(folder) as stage:
         (stage / "frf.json").write_text(json_text(content), encoding="utf-8")
         for i, sensor in enumerate(channels.sensors):

@@ -60,6 +60,40 @@ def test_a_results_folder_that_is_a_file_is_a_message(capsys, tmp_path):
     assert "out is a file; results go into a folder" in capsys.readouterr().err
 
 
+WRITING = {
+    "diagnose": [str(RIG), "a.csv"],
+    "compare": [str(RIG), "a.csv"],
+    "add": [str(RIG), "squeeze_film", "--sleeve", "sleeve 2", "--fit", "a.csv"],
+    "modes": [str(RIG)],
+    "frf": ["a.csv"],
+    "budget": ["a.csv"],
+    "identify": ["a.csv"],
+    "sweep": [str(RIG), "--amplitude", "1", "--from", "5", "--to", "6"],
+    "simulate": [str(RIG), "a.toml"],
+    "film": [str(RIG), "a.csv"],
+    "cosim": [str(RIG)],
+    "crosscheck": [str(RIG)],
+    "effects": ["squeeze_film"],
+    "demo": [],
+    "study": ["contact-laws", str(RIG)],
+    "benchmark": ["hidden-effects"],
+}
+
+
+@pytest.mark.parametrize("command", WRITING)
+@pytest.mark.parametrize(
+    ("out", "message"), [("", "--out ''; results go into a folder that has a name; "), ("file/out", "file is a file; ")]
+)
+def test_a_folder_that_cannot_be_written_is_told_before_a_file_is_read(
+    command, out, message, capsys, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("")
+    assert main([command, *WRITING[command], "--out", out]) == 2
+    assert message in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
 @pytest.mark.parametrize("command", COMMANDS)
 def test_help_shows_an_example(command, capsys):
     assert main([command, "--help"]) == 0

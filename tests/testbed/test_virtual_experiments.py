@@ -162,3 +162,11 @@ def test_a_place_that_the_format_cannot_tell_is_refused_before_anything_moves(fo
     assert not (folder / "rove").exists()
     arguments = ["simulate", str(RIG), str(folder / "rove.toml"), "--out", str(folder / "rove"), "--format", "h5"]
     assert main(arguments) == 0
+
+
+def test_a_folder_in_the_place_of_a_record_is_told_before_anything_moves(tmp_path, capsys):
+    (tmp_path / "test.toml").write_text(EXPERIMENT)
+    (tmp_path / "out" / "multisine_6.uff").mkdir(parents=True)
+    assert main(["simulate", str(RIG), str(tmp_path / "test.toml"), "--out", str(tmp_path / "out"), "--jobs", "1"]) == 2
+    assert "multisine_6.uff is a folder" in capsys.readouterr().err
+    assert not (tmp_path / "out" / "multisine_2.uff").exists()
