@@ -15,6 +15,7 @@ from models.rig_file import read_rig
 from testbed.doubts import rig_doubts
 from testbed.records.formats import read_file
 from testbed.records.read import read_record
+from testbed.records.units import check_sensitivities
 
 Severity = Literal["error", "finding", "fine"]
 
@@ -51,7 +52,7 @@ def check_files(rig_path: Path, records: Sequence[Path], without: Sequence[str] 
     rig = None
     try:
         rig = read_rig(rig_path)
-        findings += [Finding(str(rig_path), "error", text) for text in _effect_faults(rig, rig_path)]
+        findings += [Finding(str(rig_path), "error", text) for text in _rig_faults(rig, rig_path)]
     except InputError as error:
         findings.append(Finding(str(rig_path), "error", str(error)))
     if rig is not None:
@@ -68,8 +69,12 @@ def check_files(rig_path: Path, records: Sequence[Path], without: Sequence[str] 
     return findings
 
 
-def _effect_faults(rig: Rig, path: Path) -> Iterator[str]:
-    """What reading alone does not see: laws and effects that the library does not have, or not there."""
+def _rig_faults(rig: Rig, path: Path) -> Iterator[str]:
+    """What reading alone does not see: sensitivities, laws and effects that the library does not have, or not there."""
+    try:
+        check_sensitivities(rig)
+    except InputError as error:
+        yield f"{path.name}: {error}"
     for sleeve in rig.sleeves:
         try:
             contact_of(sleeve)
