@@ -106,13 +106,31 @@ def test_without_a_command_the_help_lists_them_all(capsys):
     assert all(command in out for command in COMMANDS)
 
 
-def test_an_interrupt_is_no_traceback(monkeypatch, capsys):
+ANEW = "stopped; nothing was written, a new start begins anew"
+GOES_ON = "stopped; what was finished is kept, and the same command goes on from there"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "place", "line"),
+    [
+        (["compare", str(RIG), "a.csv"], "testbed.inputs.read_inputs", ANEW),
+        (["diagnose", str(RIG), "a.csv"], "testbed.inputs.read_inputs", ANEW),
+        (["study", "contact-laws", str(RIG)], "testbed.contact_laws.run.run_contact_laws", ANEW),
+        (["study", "article"], "testbed.article.run.run_article", GOES_ON),
+        (["simulate", str(RIG), "a.toml"], "testbed.simulate_run.run_experiment", GOES_ON),
+        (["benchmark", "hidden-effects"], "testbed.hidden_effects.run.run_hidden_effects", GOES_ON),
+        (["demo"], "testbed.simulate_run.run_experiment", GOES_ON),
+    ],
+)
+def test_an_interrupt_is_a_line_that_says_what_is_kept(arguments, place, line, monkeypatch, capsys, tmp_path):
     def interrupt(*args, **kwargs):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("testbed.inputs.read_inputs", interrupt)
-    assert main(["compare", str(RIG), "a.csv"]) == 130
-    assert "Traceback" not in capsys.readouterr().err
+    monkeypatch.setattr(place, interrupt)
+    assert main([*arguments, "--out", str(tmp_path / "out")]) == 130
+    streams = capsys.readouterr()
+    assert streams.err.splitlines()[-1] == line
+    assert (streams.out, "Traceback" in streams.err) == ("", False)
 
 
 def test_the_commands_start_without_the_heavy_libraries():
