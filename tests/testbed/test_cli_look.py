@@ -117,8 +117,11 @@ def test_an_excitation_that_is_silent_is_told(folder, command, capsys):
 def test_a_spacing_of_lines_that_a_record_cannot_have_is_refused(resolution, capsys):
     assert main(["frf", "burst.csv", "--resolution", resolution]) == 2
     assert "--resolution" in capsys.readouterr().err
-    assert main(["frf", "burst.csv", "--resolution", "2"]) == 0
-    assert main(["frf", "burst.csv", "--resolution", "16"]) == 0
+
+
+@pytest.mark.parametrize("resolution", ["2", "16"])
+def test_the_finest_and_the_coarsest_lines_are_estimated(resolution):
+    assert main(["frf", "burst.csv", "--resolution", resolution, "--without", "P2", "--without", "P3"]) == 0
 
 
 def test_the_bounds_of_the_spacing_are_told(capsys):
