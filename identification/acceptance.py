@@ -36,6 +36,9 @@ EXPLAINED_NEAR, EXPLAINED_FAR = 0.9, 0.97
 """Share of the squared misfit beyond the noise that the effects must take away where the noise is not reached: a law
 outside the library finds an imitation in it that takes away most, the right one leaves what all models miss."""
 
+FAR_FROM_NOISE, FAR_FROM_MOTION = 10.0, 0.1
+"""Residual over noise, and error as a share of the motion, above both of which nothing is a diagnosis, however large
+the misfit was before: where all sensors read in another unit, a force a tenth as large takes away 99 % of it."""
 
 PREDICTS, LARGE_UNSEEN = 0.98, 2.0
 """Share of the residual not fitted that an effect may leave at most, and from which residual over noise on nothing is
@@ -250,7 +253,8 @@ def verdict_of(session: Session, calibrated: Fit, final: Fit, *, searched: bool,
     has_effects = bool(final.hypothesis.effects)
     share = takes_away(calibrated, final) if has_effects else 0.0
     enough = EXPLAINED_NEAR if final.ratio <= NOISE_NEAR else EXPLAINED_FAR
-    if has_effects and (final.ratio <= NOISE_REACHED or share >= enough):
+    far = final.ratio > FAR_FROM_NOISE and session.fitting.nrmse_of(final.residual) > FAR_FROM_MOTION
+    if has_effects and (final.ratio <= NOISE_REACHED or (share >= enough and not far)):
         session.decide(f"missing effect found; residual {final.ratio:.2f} times the noise")
         return "missing_effect"
     complete = None
@@ -261,9 +265,10 @@ def verdict_of(session: Session, calibrated: Fit, final: Fit, *, searched: bool,
     if complete is not None:
         session.decide(f"complete: {complete}")
         return "complete"
+    short = f"more than {FAR_FROM_MOTION:.0%} of the motion is left" if far else f"{enough:.0%} would be a diagnosis"
     session.decide(
         f"unexplained: the best of the library leaves {final.ratio:.2f} times the noise and takes away {share:.1%} of "
-        f"the misfit beyond it; {enough:.0%} would be a diagnosis"
+        f"the misfit beyond it; {short}"
         if has_effects
         else "unexplained: nothing in the library explains what is left"
     )

@@ -36,6 +36,7 @@ from identification.outcome import (
 from identification.prepare import cut_to
 from identification.result import Diagnosis, Stage, Verdict
 from identification.session import Session
+from identification.together import wholly_off
 from identification.unstrained import moved_back, unstrained
 from models.record import AnyRecord
 from models.simulate import Settings, Trace
@@ -161,6 +162,7 @@ def concluded(
         findings=(
             *(f for t in session.everything.timed for f in t.record.findings),
             *(f"{t.record.name}: {AT_REST_ONLY}" for t in session.everything.at_rest),
+            *wholly_off(stages[0].score),
         ),
         not_predicted=kept.missed,
     )

@@ -30,6 +30,7 @@ from identification.result import Diagnosis, Stage, Verdict
 from identification.rounds import look_round, told_apart, with_other_starts
 from identification.session import Session
 from identification.sight import beginnings_of, explained_beginning, refitted_from, shorten
+from identification.together import wholly_off
 from models.effects import EFFECTS, Registry
 from models.record import AnyRecord
 from models.rig import Rig
@@ -81,6 +82,8 @@ def diagnose(
     session = _open(given, kinds, records, seed, jobs, progress)
     started = with_starts(session.everything, given)
     stages = [session.stage("as given", started)]
+    for told in wholly_off(stages[0].score):
+        session.decide(told)
     base = _calibrated(session, replace(started, starts={}))  # beside the numbers as given other states fit best
     session.decide(_calibration_in_words(base))
     stages.append(session.stage("calibrated", base.hypothesis))

@@ -3,7 +3,8 @@
 A sensor that is dead, upside down, late, mis-scaled or displaced contradicts all others, and physics that explains one
 channel alone is rare: so each channel is left out in turn, and the rig's numbers are fitted to the rest. Two sensors
 whose cables were exchanged agree again when they are exchanged once more. A hum, or a floor that shakes, stands in a
-few lines of all channels: so these lines are left out.
+few lines of all channels: so these lines are left out. A force in another unit, or upside down, makes all channels
+louder or quieter by one factor, or turns them over.
 """
 
 from collections.abc import Iterator, Sequence
@@ -20,6 +21,8 @@ from identification.hypothesis import Hypothesis
 from identification.lines import lines_left
 from identification.scene import each_sensor
 from identification.screen import Projection
+from identification.sketch import afresh
+from identification.together import off_by
 from models.arrays import BoolArray, FloatArray
 from models.band_limit import SCORE_EDGE
 from models.effects import Place, Registry
@@ -61,16 +64,18 @@ class Suspicion:
     Attributes:
         channels: sensors without which the others agree, the worst first, or a pair that agrees when it is exchanged.
         in_lines: all that is left stands in single lines.
+        of_force: all channels are off by one factor, or upside down.
         words: what was seen, for the report; empty where nothing was.
     """
 
     channels: tuple[Place, ...] = ()
     in_lines: bool = False
+    of_force: bool = False
     words: str = ""
 
     def __bool__(self) -> bool:
         """Something is suspected."""
-        return bool(self.channels) or self.in_lines
+        return bool(self.channels) or self.in_lines or self.of_force
 
     def kinds(self, registry: Registry) -> Registry:
         """The kinds of effects that could do this.
@@ -82,7 +87,9 @@ class Suspicion:
         return {
             name: kind
             for name, kind in registry.items()
-            if sits & set(kind.places) or (kind.record_parameters and self.in_lines)
+            if sits & set(kind.places)
+            or (kind.record_parameters and self.in_lines)
+            or (kind.is_of_excitation() and self.of_force)
         }
 
     def beside(self, rig: Rig) -> tuple[Place, ...]:
@@ -106,9 +113,9 @@ def suspicion(evaluator: Evaluator, there: Fit) -> Suspicion:
     """
     if not evaluator.timed or evaluator.at_rest:
         return NO_SUSPICION
-    in_lines = _in_lines(evaluator, there)
-    if in_lines:
-        return in_lines
+    of_all = _of_force(evaluator, there) or _in_lines(evaluator, there)
+    if of_all:
+        return of_all
     there_are = {name for target in evaluator.timed for name in target.record.sensors}
     names = [sensor.name for sensor in there.hypothesis.rig.sensors if sensor.name in there_are]
     if len(names) < LEAST_SENSORS:
@@ -207,6 +214,17 @@ def _starts(base: Fit) -> Iterator[Hypothesis]:
     yield base.hypothesis
     if base.hypothesis.values and not base.hypothesis.effects:
         yield replace(base.hypothesis, values={})
+
+
+def _of_force(evaluator: Evaluator, base: Fit) -> Suspicion:
+    """Whether all channels of each record driven by a measured force are off by one factor, or upside down.
+
+    Beside the numbers as given: a force that is wrong pulls them to where hardly anything is alike.
+    """
+    pairs = zip(evaluator.timed, evaluator.responses(afresh(base.hypothesis)), strict=True)
+    driven = [(t.record, r.channels[:, : t.record.n_samples]) for t, r in pairs if t.record.excitation is not None]
+    seen = [off_by(record.responses, model) for record, model in driven]
+    return Suspicion(of_force=True, words=f"{driven[0][0].name}: {seen[0]}") if seen and all(seen) else NO_SUSPICION
 
 
 def _in_lines(evaluator: Evaluator, base: Fit) -> Suspicion:

@@ -48,7 +48,14 @@ class FrfEstimate:
     period: int | None
 
 
-def estimate_frf(excitation: FloatArray, responses: FloatArray, fs: float, *, resolution: float) -> FrfEstimate:
+def estimate_frf(
+    excitation: FloatArray,
+    responses: FloatArray,
+    fs: float,
+    *,
+    resolution: float,
+    besides: FloatArray | None = None,
+) -> FrfEstimate:
     """Estimate the FRFs of one record, all of its segments taken together.
 
     An excitation that repeats is averaged over its steady whole periods without a window, so its line spacing is that
@@ -59,18 +66,22 @@ def estimate_frf(excitation: FloatArray, responses: FloatArray, fs: float, *, re
         responses: (n, N) channels.
         fs: sampling rate, Hz.
         resolution: wanted spacing of the lines, Hz, where the excitation does not repeat.
+        besides: (m, N) what a model makes of the same excitation, estimated from the periods in which the record is
+            steady; its rows follow those of the channels.
 
     Raises:
         InputError: sizes that do not fit, a silent channel, or fewer than two segments to average.
 
     Source: Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70; Bendat and Piersol, Random Data, 2010, ch. 6.
     """
-    _check(excitation, responses)
+    channels = responses if besides is None else np.vstack((responses, besides))
+    _check(excitation, channels)
     period = find_period(excitation)
     if period is not None:
-        periods = split_periods(np.vstack((excitation, responses)), period)
-        return _over_periods(periods, fs)
-    x, y = _segments(excitation, responses, fs, resolution)
+        steady = len(split_periods(np.vstack((excitation, responses)), period))
+        last = np.vstack((excitation, channels))[:, -steady * period :]
+        return _over_periods(last.reshape(len(last), steady, period).swapaxes(0, 1), fs)
+    x, y = _segments(excitation, channels, fs, resolution)
     return _welch(x, y, fs)
 
 

@@ -9,6 +9,7 @@ from identification.evaluate import Evaluator
 from identification.hypothesis import Hypothesis
 from identification.lines import Lines, lines_left
 from identification.rest_target import FrfTarget, ModesTarget
+from identification.together import loudness
 from models.arrays import FloatArray
 from models.drive import drive_of
 from models.effects.protocol import Effect, Place, Scene
@@ -146,9 +147,17 @@ def scenes(
     duration = max(target.whole for target in evaluator.timed)
     lines = lines_left(evaluator, hypothesis) if lines is None else lines
     common = _common(response.model, force or 1.0, duration)
-    common = replace(common, lines=(lines.free + lines.driven)[:MOST_LINES])
+    common = replace(common, lines=(lines.free + lines.driven)[:MOST_LINES], loudness=_loudness(evaluator, hypothesis))
     rest = _at_rest(response.model, positions)
     return {place: _scene(place, common, plant, size[x], rest[x]) for place, x in at.items()}
+
+
+def _loudness(evaluator: Evaluator, hypothesis: Hypothesis) -> float:
+    """Rms of the measured channels over the model's, the median over all records; 1 where nothing moves."""
+    pairs = zip(evaluator.timed, evaluator.responses(hypothesis), strict=True)
+    ratios = [loudness(t.record.responses, r.channels[:, : t.record.n_samples]) for t, r in pairs]
+    told = np.concatenate(ratios)
+    return float(np.median(told)) if len(told) else 1.0
 
 
 def _watched_at(place: Place, plant: Plant) -> float | None:

@@ -45,3 +45,7 @@ class DivergenceError(ArithmeticError):
 
 class NoRestError(InputError, DivergenceError):
     """A structure that nowhere stays at rest: bad input to its owner, a motion without bound to a fit on its way."""
+
+
+class NotComputableError(InputError, DivergenceError):
+    """A model that cannot be computed: bad input to its owner, a step too far to a fit on its way."""

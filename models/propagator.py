@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from models.arrays import FloatArray
-from models.errors import InputError
+from models.errors import NotComputableError
 
 LANES = 16
 """The number of blocks is a multiple of this, idle ones added, so that compiled loops over them have no remainder."""
@@ -64,7 +64,7 @@ def to_blocks(
         stiffening: (m, m) what the stiffness has beside omega^2, 1/s^2; None for nothing.
 
     Raises:
-        InputError: two modes are one, and a slight change does not separate them.
+        NotComputableError: two modes are one, and a slight change does not separate them.
     """
     m = len(omega)
     n = -(-m // LANES) * LANES
@@ -81,7 +81,7 @@ def to_blocks(
             system[m:] *= 1.0 + SPLITTING * np.arange(1, m + 1)[:, None]
             found = _real_blocks(system)
         if found is None:
-            raise InputError(
+            raise NotComputableError(
                 "stiffness and damping: two modes that merge into one",
                 "modes that can be told apart",
                 "hold the structure, or change a dashpot by a part in a million",

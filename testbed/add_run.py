@@ -17,7 +17,7 @@ from models.rig import EffectEntry
 from models.rig_parts import term
 from testbed.add import Added, add_effect, pattern_of
 from testbed.compare_run import write_comparison
-from testbed.history import Model, remember
+from testbed.history import Model, check_history, remember
 from testbed.inputs import Inputs
 from testbed.loop import estimate_json, identity, rig_of
 from testbed.outputs import Json, staged
@@ -110,6 +110,7 @@ def run_add(
     if len(timed) < len(inputs.records):
         names = ", ".join(r.name for r in inputs.records if not isinstance(r, Record))
         raise InputError(f"--fit {names}", "an effect is fitted to time records", "name time records only")
+    check_history(out)
     added = add_effect(inputs.rig, _entry(kind, settings), timed, seed=seed, jobs=jobs)
     given, updated = added.comparison_before.score, added.comparison_after.score
     assert given is not None

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
@@ -100,22 +101,73 @@ def channels_of_file(path: Path, excitation: str | None, without: Sequence[str] 
     Raises:
         InputError: a file that cannot be used, several forces, or a channel whose quantity the file does not tell.
     """
+    recording = recording_of(path)
+    check_left_out([recording], without)
+    return channels_of(recording, excitation, without)
+
+
+def recording_of(path: Path) -> Recording:
+    """What a time record's file holds.
+
+    Args:
+        path: the record.
+
+    Raises:
+        InputError: a file that cannot be used, or one without samples over time.
+    """
     recording = read_file(path)
     if not isinstance(recording, Recording):
         raise _no_time_record(path)
-    channels = [channel for channel in recording.channels if _name(channel) not in without]
-    driving = _driving(path, channels, excitation)
+    return recording
+
+
+def check_left_out(recordings: Sequence[Recording], without: Sequence[str]) -> None:
+    """Whether each name of ``--without`` is a channel of one of the files.
+
+    Args:
+        recordings: read without a rig.
+        without: names.
+
+    Raises:
+        InputError: one is not.
+    """
+    channels = [channel for recording in recordings for channel in recording.channels]
+    for name in without:
+        if not any(_is_called(channel, name) for channel in channels):
+            known = list(dict.fromkeys(map(_name, channels)))
+            near = get_close_matches(name, known, n=1, cutoff=0.0)
+            raise InputError(
+                f"--without {name}",
+                f"the channels of {', '.join(recording.file for recording in recordings)} are {', '.join(known)}",
+                f"the nearest one is {near[0]}" if near else "leave --without away",
+            )
+
+
+def channels_of(recording: Recording, excitation: str | None, without: Sequence[str] = ()) -> Channels:
+    """The channels of a recording by its own names and units.
+
+    Args:
+        recording: what a file holds.
+        excitation: name of the excitation's channel; by default the only force, if there is one.
+        without: channels to leave out.
+
+    Raises:
+        InputError: several forces, an excitation that is none, or a channel whose quantity the file does not tell.
+    """
+    file = recording.file
+    channels = [c for c in recording.channels if not any(_is_called(c, name) for name in without)]
+    driving = _driving(file, channels, excitation)
     signals = {_name(channel): _in_si(recording, channel) for channel in channels if channel is not driving}
     alive = {name: signal for name, signal in signals.items() if not is_dead(signal[0])}
     if not alive:
-        raise InputError(f"{path.name}: no channel moves", "a record tells what moves", "check the sensors")
-    findings = [f"{path.name}: channel {name} is dead; left out" for name in signals if name not in alive]
+        raise InputError(f"{file}: no channel moves", "a record tells what moves", "check the sensors")
+    findings = [f"{file}: channel {name} is dead; left out" for name in signals if name not in alive]
     force, quantity = (None, "") if driving is None else _in_si(recording, driving)
     responses = np.stack([samples for samples, _ in alive.values()])
     driven = undying(list(responses)) if force is None or is_dead(force) else None
-    findings += [] if driven is None else [f"{path.name}: {driven}"]
+    findings += [] if driven is None else [f"{file}: {driven}"]
     return Channels(
-        path.name,
+        file,
         sampling_rate(recording, responses.shape[1]),
         force,
         quantity,
@@ -139,23 +191,30 @@ def _name(channel: RawChannel) -> str:
     return channel.tag.shown
 
 
-def _driving(path: Path, channels: Sequence[RawChannel], name: str | None) -> RawChannel | None:
+def _is_called(channel: RawChannel, name: str) -> bool:
+    return name in (channel.tag.name, str(channel.tag.node), _name(channel))
+
+
+def _driving(file: str, channels: Sequence[RawChannel], name: str | None) -> RawChannel | None:
     """The channel of that name or node, or the only force; None where there is no force."""
-    if name is not None:
-        called = [c for c in channels if name in (c.tag.name, str(c.tag.node), _name(c))]
-    else:
-        called = [c for c in channels if quantity_of(c.tag) == "force"]
-    if len(called) == 1:
-        return called[0]
-    if not called and name is None:
-        return None
-    if not called:
+    forces = [c for c in channels if quantity_of(c.tag) == "force"]
+    called = forces if name is None else [c for c in channels if _is_called(c, name)]
+    if name is not None and not called:
         raise InputError(
-            f"{path.name}: --excitation {name}: no channel has that name",
-            f"its channels are {', '.join(_name(channel) for channel in channels)}",
-            "name one of these, or leave the option out for the only force",
+            f"{file}: no channel {name!r} for --excitation",
+            f"its channels are {', '.join(map(_name, channels))}",
+            "name one of these, or leave --excitation out where there is one force",
         )
-    raise no_excitation(path.name, [_name(channel) for channel in channels])
+    if len(called) > 1:
+        raise no_excitation(file, [_name(channel) for channel in channels])
+    if called and forces and called[0] not in forces:
+        raise InputError(
+            f"{file}: --excitation {name} beside {_name(forces[0])}, a force",
+            f"what drives a rig is a force, or in a record without one the motion of its base; the channels are "
+            f"{', '.join(map(_name, channels))}",
+            f"name {_name(forces[0])}, or leave it out with --without {_name(forces[0])!r}",
+        )
+    return called[0] if called else None
 
 
 def _in_si(recording: Recording, channel: RawChannel) -> tuple[FloatArray, str]:

@@ -118,8 +118,13 @@ def _estimated(row: RecordScore) -> FrfPair:
     assert record.excitation is not None
     # A sensor at the clamp is predicted to stand still, and its FRF is 0.
     moving = np.ptp(row.predicted, axis=1) > 0
-    channels = np.vstack([record.responses, row.predicted[moving]])
-    estimate = estimate_frf(record.excitation, channels, record.fs, resolution=SEGMENTS_PER_RECORD / record.duration)
+    estimate = estimate_frf(
+        record.excitation,
+        record.responses,
+        record.fs,
+        resolution=SEGMENTS_PER_RECORD / record.duration,
+        besides=row.predicted[moving],
+    )
     n = len(record.sensors)
     in_band = estimate.frequency <= SCORE_EDGE * record.fs
     excited = in_band & (estimate.coherence[:n].max(axis=0) >= LEAST_COHERENCE)

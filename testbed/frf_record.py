@@ -8,12 +8,17 @@ from scipy.signal import welch
 
 from identification.frf import FrfEstimate, estimate_frf, estimate_frf_per_level
 from models.arrays import ComplexArray, FloatArray
+from models.errors import InputError
+from testbed.channel_checks import check_driven, check_length
 from testbed.channels import Channels, no_excitation
 from testbed.compare import SEGMENTS_PER_RECORD
 from testbed.quantities import ratio_unit, unit_of
 
 EXCITED = 1e-5
 """Share of the excitation's strongest line from which another one is excited: a sensor's noise is further below."""
+
+FINEST, FEWEST_LINES = 2.0, 16
+"""Least spacing of lines in units of 1 / T, and fewest of them up to half the rate."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,12 +47,23 @@ def levels_of(channels: Channels, resolution: float | None = None) -> Levels:
         resolution: spacing of the lines, Hz, where the excitation does not repeat; an eighth of the record by default.
 
     Raises:
-        InputError: no excitation, or a resolution that the record is too short for.
+        InputError: no excitation or one that does not move, a record that is too short, or a resolution that it cannot
+            have.
     """
     if channels.excitation is None:
         raise no_excitation(channels.name, channels.sensors)
-    duration = channels.responses.shape[1] / channels.fs
-    lines = SEGMENTS_PER_RECORD / duration if resolution is None else resolution
+    n_samples = channels.responses.shape[1]
+    check_length(channels.name, n_samples)
+    check_driven(channels)
+    finest, coarsest = FINEST * channels.fs / n_samples, 0.5 * channels.fs / FEWEST_LINES
+    lines = SEGMENTS_PER_RECORD * channels.fs / n_samples if resolution is None else resolution
+    if not finest <= lines <= coarsest:
+        raise InputError(
+            f"--resolution {lines:g} Hz for {channels.name}, {n_samples / channels.fs:g} s at {channels.fs:g} Hz",
+            f"lines are {finest:.3g} Hz apart or more, to average two parts of the record, and {coarsest:.3g} Hz or "
+            f"less, for {FEWEST_LINES} lines up to half its rate",
+            "ask for a spacing in between, or leave --resolution out",
+        )
     signals = (channels.excitation, channels.responses, channels.fs)
     estimates = estimate_frf_per_level(*signals, resolution=lines) or (estimate_frf(*signals, resolution=lines),)
     return Levels(channels, tuple(_where_excited(estimate, channels.excitation, channels.fs) for estimate in estimates))

@@ -10,7 +10,7 @@ from typing import Any
 from models.errors import InputError
 from models.rig import Rig
 from models.rig_file import read_rig, write_rig
-from testbed.outputs import json_text, staged
+from testbed.outputs import check_open, json_text, staged
 
 FOLDER, INDEX, UPDATED = "history", "history.json", "rig.updated.toml"
 BY_HAND = "changed by hand"
@@ -92,13 +92,34 @@ def read_history(out: Path) -> History:
         entries = tuple(
             Entry(**{key: value for key, value in entry.items() if key != "file"}) for entry in content["entries"]
         )
-        return History(entries, content["current"])
-    except (ValueError, KeyError, TypeError) as error:
-        raise InputError(
-            f"{path}: {error}",
-            "the index of a history is written by this program alone",
-            "restore it from a backup, or move the folder history away to begin anew",
-        ) from error
+        history = History(entries, content["current"])
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise _damaged(path, str(error)) from error
+    numbers = [entry.number for entry in entries]
+    if numbers != list(range(1, len(entries) + 1)) or (history.current not in numbers and history != History()):
+        raise _damaged(path, "its numbers do not fit together")
+    return history
+
+
+def _damaged(path: Path, reason: str) -> InputError:
+    return InputError(
+        f"{path}: {reason}",
+        "the index of a history is written by this program alone",
+        "restore it from a backup, or move the folder history away to begin anew",
+    )
+
+
+def check_history(out: Path) -> None:
+    """Whether the history of a results folder can be read and added to, before there is something to add.
+
+    Args:
+        out: the folder.
+
+    Raises:
+        InputError: the index is damaged, or something is where it or the updated rig is to be written.
+    """
+    check_open(out, (UPDATED, f"{FOLDER}/{INDEX}"))
+    read_history(out)
 
 
 def remember(out: Path, stage: Path, models: Sequence[Model], *, like: Path, command: str) -> None:

@@ -12,7 +12,8 @@ from models.record import AnyRecord, Record
 from models.rig import Rig
 from testbed import __version__
 from testbed.doubts import rig_doubts
-from testbed.records.read import read_record
+from testbed.records.copies import is_same_test
+from testbed.records.read import UnusableChannelsError, read_record, unusable
 from testbed.whole_rig import whole_rig
 
 
@@ -62,26 +63,19 @@ def read_inputs(
         strict: whether a dead, missing or implausible channel is an error.
 
     Raises:
-        InputError: a file that cannot be used, or two records of one name.
+        InputError: a file that cannot be used, two records of one name, or a record kept aside that copies another.
     """
     rig = whole_rig(rig_path)
     check_names([*records, *holdout])
-    digests = {path: sha256(path) for path in (*records, *holdout) if path.is_file()}
-    for path in holdout:
-        copies = [record.name for record in records if digests.get(record, "") == digests.get(path)]
-        if copies:
-            raise InputError(
-                f"--holdout {path.name}: the same bytes as {copies[0]}",
-                "a record kept aside is another test than those that are learnt from",
-                "keep another record aside, or leave this one out",
-            )
-    read = [_read_beside(rig, rig_path, path, without, strict=strict) for path in (*records, *holdout)]
+    read = _read_all(rig, rig_path, (*records, *holdout), without, strict=strict)
+    learnt, aside = read[: len(records)], read[len(records) :]
+    _check_aside(learnt, aside)
     return Inputs(
         rig_path,
         rig,
         (*records, *holdout),
-        tuple(read[: len(records)]),
-        tuple(read[len(records) :]),
+        learnt,
+        aside,
         {
             "version": __version__,
             "rig": sha256(rig_path),
@@ -92,10 +86,39 @@ def read_inputs(
     )
 
 
+def _check_aside(learnt: Sequence[AnyRecord], aside: Sequence[AnyRecord]) -> None:
+    for record in aside:
+        copied = next((other.name for other in learnt if is_same_test(record, other)), None)
+        if copied is not None:
+            raise InputError(
+                f"--holdout {record.name}: the same samples as {copied}",
+                "a record kept aside is another test than those that are learnt from",
+                "keep another record aside, or leave this one out",
+            )
+
+
+def _read_all(
+    rig: Rig, rig_path: Path, paths: Sequence[Path], without: Sequence[str], *, strict: bool
+) -> tuple[AnyRecord, ...]:
+    """All records, or all channels that a strict reading refuses, so that one command can leave them out."""
+    read, refused = [], []
+    for path in paths:
+        try:
+            read.append(_read_beside(rig, rig_path, path, without, strict=strict))
+        except UnusableChannelsError as error:
+            refused.append(error)
+    if refused:
+        names = [name for error in refused for name in error.names]
+        raise unusable("; ".join(error.given for error in refused), names, rig, without)
+    return tuple(read)
+
+
 def _read_beside(rig: Rig, rig_path: Path, path: Path, without: Sequence[str], *, strict: bool) -> AnyRecord:
     """A record; if it does not fit the rig and the rig file is odd, that is told too."""
     try:
         return read_record(path, rig, without=without, strict=strict)
+    except UnusableChannelsError:
+        raise
     except InputError as error:
         odd = next(rig_doubts(rig), None)
         if odd is None:

@@ -5,7 +5,7 @@ import math
 import os
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from hashlib import sha256
 from pathlib import Path
@@ -23,16 +23,29 @@ LAST = "run.json"
 """Moved into place after all others: whoever finds it finds a finished run."""
 
 
-def check_open(out: Path) -> None:
-    """Whether a folder of results can be made or written, before it is.
+def check_open(out: Path, written: Iterable[str] = ()) -> None:
+    """Whether a folder of results can be made and written, before it is.
 
     Args:
         out: the folder of the results.
+        written: paths in it that will be replaced: files, and folders with a slash at their end.
 
     Raises:
-        InputError: it is a file, lies in one, or is closed for writing.
+        InputError: it or one of the paths cannot be written, because a file is where a folder has to be or the other
+            way round, or because a folder is closed for writing.
     """
-    there = next(path for path in (out, *out.absolute().parents) if path.exists())
+    _check_folder(out, out)
+    for name in written:
+        if name.endswith("/"):
+            _check_folder(out, out / name)
+            continue
+        _check_folder(out, (out / name).parent)
+        if (out / name).is_dir():
+            raise _closed(out, f"{out / name} is a folder, and a file is to be written there")
+
+
+def _check_folder(out: Path, folder: Path) -> None:
+    there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     if not there.is_dir():
         raise _closed(out, f"{there} is a file")
     if not os.access(there, os.W_OK | os.X_OK):
@@ -43,7 +56,7 @@ def _closed(out: Path, reason: str) -> InputError:
     return InputError(
         f"--out {out}: {reason}",
         "results go into a folder that is open for writing",
-        "name another folder with --out",
+        "name another folder with --out, or move away what is there",
     )
 
 
@@ -55,8 +68,9 @@ def staged(out: Path) -> Iterator[Path]:
         out: the folder of the results, made if it does not exist.
 
     Raises:
-        InputError: the folder cannot be made or written.
+        InputError: the folder cannot be made, or one of the files not put into it; then none is.
     """
+    check_open(out)
     try:
         out.mkdir(parents=True, exist_ok=True)
         stage = Path(tempfile.mkdtemp(prefix=".writing-", dir=out))
@@ -64,11 +78,11 @@ def staged(out: Path) -> Iterator[Path]:
         raise _closed(out, str(error.strerror)) from error
     try:
         yield stage
-        written = [file for file in stage.rglob("*") if file.is_file()]
+        written = [file.relative_to(stage) for file in stage.rglob("*") if file.is_file()]
+        check_open(out, map(str, written))
         for file in sorted(written, key=lambda file: (file.name == LAST, file)):
-            target = out / file.relative_to(stage)
-            target.parent.mkdir(parents=True, exist_ok=True)
-            file.replace(target)
+            (out / file).parent.mkdir(parents=True, exist_ok=True)
+            (stage / file).replace(out / file)
     finally:
         shutil.rmtree(stage, ignore_errors=True)
 

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from identification.progress import Progress
-from testbed.history import UPDATED, Model, remember
+from testbed.history import UPDATED, Model, check_history, remember
 from testbed.inputs import Inputs, sha256
 from testbed.loop import diagnosis_json, rig_of
-from testbed.outputs import LAST, Json, json_text, staged
-from testbed.proposal import stale, write_experiment
+from testbed.outputs import LAST, Json, check_open, json_text, staged
+from testbed.proposal import EXPERIMENT, RIG, stale, write_experiment
 
 DIAGNOSIS, REPORT = "diagnosis.json", "report.html"
 OUTPUTS = (DIAGNOSIS, UPDATED, REPORT)
@@ -56,13 +56,16 @@ def run_diagnosis(
         alike: whether the same may be wrong with all sleeves.
 
     Raises:
-        InputError: records that do not fit the rig or do not tell their noise, or a folder that cannot be written.
+        InputError: records that do not fit the rig or do not tell their noise, a folder that cannot be written, or a
+            history in it that is damaged.
         ArithmeticError: the given rig's motion leaves the finite numbers.
     """
     wanted = {**inputs.digests, "seed": seed, "alike": alike}
     if not again and is_finished(out, wanted):
         progress(f"{out}: this rig, these records, seed and version were diagnosed before; kept (--again repeats it)")
         return Outcome(json.loads((out / DIAGNOSIS).read_text(encoding="utf-8")), out, kept=True)
+    check_open(out, (*OUTPUTS, LAST, EXPERIMENT, RIG))
+    check_history(out)
     content = _diagnose(inputs, out, wanted, jobs=jobs, command=shlex.join(command), progress=progress)
     return Outcome(content, out, kept=False)
 

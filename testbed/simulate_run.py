@@ -23,7 +23,7 @@ from testbed import __version__
 from testbed.figures.contact import contact_figure, orbit_figure
 from testbed.figures.save import save
 from testbed.inputs import sha256
-from testbed.outputs import Json, json_text, staged
+from testbed.outputs import Json, check_open, json_text, staged
 from testbed.processes import as_done
 from testbed.records.write import node_at, write_record
 from testbed.virtual.campaign import Run, runs_of
@@ -82,6 +82,7 @@ def run_experiment(order: Order, out: Path, *, jobs: int, progress: Progress, po
         simulator(order.simulator).check(laboratory.plant, order.resolution, run.trial.angle)
         _check_format(run, rig, order.suffix)
     _check_alone(out, order, runs)
+    check_open(out, [f"{run.name}{order.suffix}" for run in runs])
     known = _known(out, order)
     todo = [number for number, run in enumerate(runs) if run.name not in known]
     if len(todo) < len(runs):

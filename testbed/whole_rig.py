@@ -1,4 +1,4 @@
-"""A rig file whose contact laws and effects the library has, and has there: more than reading it asks for."""
+"""A rig file whose sensitivities, contact laws and effects fit: more than reading it asks for."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -8,16 +8,17 @@ from models.errors import InputError, in_file
 from models.plant import contact_of
 from models.rig import Rig
 from models.rig_file import read_rig
+from testbed.records.units import check_sensitivities
 
 
 def whole_rig(path: Path) -> Rig:
-    """The rig that a file describes, with laws and effects that can be computed.
+    """The rig that a file describes, with sensitivities, laws and effects that can be used.
 
     Args:
         path: the rig file.
 
     Raises:
-        InputError: the file cannot be read, or the first law or effect that does not fit, told with the file.
+        InputError: the file cannot be read, or the first thing in it that does not fit, told with the file.
     """
     rig = read_rig(path)
     with in_file(path.name):
@@ -27,11 +28,15 @@ def whole_rig(path: Path) -> Rig:
 
 
 def rig_faults(rig: Rig) -> Iterator[InputError]:
-    """Laws and effects that the library does not have, or not there.
+    """Sensitivities of another quantity; laws and effects that the library does not have, or not there.
 
     Args:
         rig: as its file describes it.
     """
+    try:
+        check_sensitivities(rig)
+    except InputError as error:
+        yield error
     for sleeve in rig.sleeves:
         try:
             contact_of(sleeve)

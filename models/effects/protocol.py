@@ -119,6 +119,7 @@ class Scene:
         natural_freqs: of the first modes about rest, Hz.
         sensor_position: where the place's sensor should be, m from the clamp; None where the place is no sensor.
         lines: frequencies, Hz, of single lines in the records that the model does not explain, the strongest first.
+        loudness: rms of the measured channels over the model's, the median of all.
     """
 
     place: Place
@@ -135,6 +136,7 @@ class Scene:
     natural_freqs: tuple[float, ...] = ()
     sensor_position: float | None = None
     lines: tuple[float, ...] = ()
+    loudness: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -272,6 +274,11 @@ class Effect(ABC):
     def change_excitation(self, excitation: FloatArray) -> FloatArray:
         """(N,) the true excitation from the channel as measured."""
         return excitation
+
+    @classmethod
+    def is_of_excitation(cls) -> bool:
+        """Whether it changes the excitation from what its channel reads."""
+        return cls.change_excitation is not Effect.change_excitation
 
     def change_sensors(self, sensors: tuple[Sensor, ...], structure: Structure) -> tuple[Sensor, ...]:  # noqa: ARG002
         """The sensors where they really are on the structure."""

@@ -17,7 +17,9 @@ from identification.progress import Progress
 from models.arrays import FloatArray
 from models.errors import InputError
 from models.record import AnyRecord, Record
-from testbed.channels import Channels, channels_of_file
+from models.rig_file import read_rig
+from testbed.channel_checks import check_driven, check_excitation, check_length
+from testbed.channels import Channels, channels_of, check_left_out, recording_of
 from testbed.figures.budget import budget_figure
 from testbed.figures.save import save
 from testbed.inputs import check_names, read_inputs
@@ -70,6 +72,9 @@ def run_budget(order: Order, out: Path, *, progress: Progress) -> Json:
     """
     check_names(order.records)
     read = _alone(order) if order.rig is None else _with_rig(order, order.rig, progress)
+    for record in read.records:
+        if isinstance(record, Record):
+            check_length(record.name, record.n_samples)
     budget = budget_of(read.records, read.excitation_unit)
     gains = {
         split.record.name: gain_of(split, read.predicted[split.record.name])
@@ -91,7 +96,11 @@ def run_budget(order: Order, out: Path, *, progress: Progress) -> Json:
 
 def _alone(order: Order) -> _Read:
     """The records by their own names and units."""
-    held = [channels_of_file(path, order.excitation, order.without) for path in order.records]
+    recordings = [recording_of(path) for path in order.records]
+    check_left_out(recordings, order.without)
+    held = [channels_of(recording, order.excitation, order.without) for recording in recordings]
+    for channels in held:
+        check_driven(channels)
     held = [channels.only(order.channels) if order.channels else channels for channels in held]
     units = {name: unit_of(quantity) for c in held for name, quantity in zip(c.sensors, c.quantities, strict=True)}
     driven = [c.excitation_quantity for c in held if c.excitation is not None]
@@ -111,6 +120,7 @@ def _record(channels: Channels) -> Record:
 
 def _with_rig(order: Order, rig_path: Path, progress: Progress) -> _Read:
     """The records by the rig's sensors, and what the rig predicts of them."""
+    check_excitation(order.excitation, read_rig(rig_path))
     inputs = read_inputs(rig_path, order.records, without=order.without, strict=False)
     in_time = [record for record in inputs.records if isinstance(record, Record)]
     progress(f"predicting {', '.join(record.name for record in in_time)}")

@@ -38,11 +38,11 @@ def add(
     """Add one effect and fit it: rig.updated.toml, compare.json and figures."""
     given = {"sleeve": sleeve, "position": position, "sensor": sensor, "other": other, "against": against}
     settings = {key: value for key, value in given.items() if value is not None}
+    folder = out_folder(out, rig, "compare.json", "figures/")
     with progress() as tell:
         from testbed.add_run import check_effect, run_add
         from testbed.inputs import read_inputs
 
-        folder = out_folder(out, rig)
         check_effect(rig, kind, settings)
         inputs = read_inputs(rig, fit, without=without or ())
         tell(f"adding {kind} and fitting it to {', '.join(record.name for record in inputs.records)}")

@@ -59,6 +59,9 @@ app.add_typer(benchmark.benchmark, name="benchmark")
 
 BAD_INPUT, INTERRUPTED = 2, 130
 
+RESUMING = (("simulate",), ("demo",), ("benchmark",), ("study", "article"))
+"""Commands that keep each record, case or part as it is done; all others write at their end."""
+
 # typer brings its own click or uses the installed one; the ancestors of its BadParameter are those of whichever it is.
 UsageErrors: tuple[type[Exception], ...] = tuple(k for k in typer.BadParameter.__mro__ if k.__name__ == "UsageError")
 
@@ -96,8 +99,17 @@ def main(arguments: Sequence[str]) -> int:
         where = f"{error.filename}: " if error.filename else ""
         return _refuse(f"{where}{error.strerror or error}; files can be read and written; check the path and its space")
     except (KeyboardInterrupt, typer.Abort):
-        return INTERRUPTED
+        status = INTERRUPTED
+    if status == INTERRUPTED:  # newer versions of typer turn an interrupt into this status themselves
+        print(_stopped(arguments), file=sys.stderr)
     return status if isinstance(status, int) else 0
+
+
+def _stopped(arguments: Sequence[str]) -> str:
+    """What becomes of the work when somebody stops a command."""
+    if any(tuple(arguments[: len(words)]) == words for words in RESUMING):
+        return "stopped; what was finished is kept, and the same command goes on from there"
+    return "stopped; nothing was written, a new start begins anew"
 
 
 def _refuse(message: str) -> int:

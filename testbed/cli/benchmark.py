@@ -54,7 +54,8 @@ def hidden_effects(
     as_json: AsJson = False,
 ) -> None:
     """Hide effects in random rigs, diagnose, count; goes on where it was stopped; status 1 if a bar is missed."""
-    folder = out_folder(out, Path("hidden_effects" if case_set == "reported" else "hidden_effects_tuning"))
+    named = Path("hidden_effects" if case_set == "reported" else "hidden_effects_tuning")
+    folder = out_folder(out, named, "README.md", "summary.json", "figures/", "cases/")
     with progress() as tell:
         from testbed.hidden_effects.plan import planned
         from testbed.hidden_effects.run import run_hidden_effects
@@ -92,7 +93,7 @@ def next_experiments(
     as_json: AsJson = False,
 ) -> None:
     """Carry out the tests that were proposed where a group was stated, and diagnose again; goes on where it stopped."""
-    folder = out_folder(out, Path("next_experiments"))
+    folder = out_folder(out, Path("next_experiments"), "README.md", "summary.json", "cases/")
     with progress() as tell:
         from testbed.hidden_effects.proposed_run import run_next_experiments, with_a_group
 

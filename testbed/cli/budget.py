@@ -35,7 +35,7 @@ def budget(
     as_json: AsJson = False,
 ) -> None:
     """Noise, transient, odd and even distortion, time variation of each response: budget.json and figures."""
-    folder = out_folder(out, records[0])
+    folder = out_folder(out, records[0], "budget.json", "figures/")
     with progress() as tell:
         from testbed.budget.run import Order, run_budget
 

@@ -17,6 +17,7 @@ def compare(
     as_json: AsJson = False,
 ) -> None:
     """Predict each record from its measured excitation and compare: compare.json and figures."""
+    folder = out_folder(out, rig, "compare.json", "figures/")
     with progress() as tell:
         from testbed.compare_run import run_comparison
         from testbed.inputs import read_inputs
@@ -25,7 +26,6 @@ def compare(
         for finding in inputs.findings:
             tell(finding)
         tell(f"comparing with {', '.join(record.name for record in inputs.records)}")
-        folder = out_folder(out, rig)
         content = run_comparison(inputs, folder, seed=seed, jobs=jobs)
     from testbed.cli.tables import print_comparison, print_json, say
 
@@ -33,4 +33,6 @@ def compare(
         print_json(content)
         return
     print_comparison(content)
+    for finding in content["findings"]:
+        say(f"note: {finding}")
     say(f"written: {folder}/compare.json and figures")

@@ -45,7 +45,7 @@ def cosim(
     as_json: AsJson = False,
 ) -> None:
     """Tap the rig, identify a sleeve's damping as it goes, feed it to a twin: cosim.json and a picture."""
-    folder = out_folder(out, rig)
+    folder = out_folder(out, rig, "cosim.json", "figures/")
     with progress() as tell:
         from testbed.cosim.plan import Wish
         from testbed.cosim.run import cosimulate

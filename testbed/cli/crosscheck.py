@@ -19,7 +19,7 @@ Against = Annotated[
 
 def crosscheck(rig: RigFile, *, against: Against = None, out: Out = None, as_json: AsJson = False) -> None:
     """Modal against MuJoCo against Exudyn: crosscheck.json, a page and figures; status 1 if bounds are missed."""
-    folder = out_folder(out, rig)
+    folder = out_folder(out, rig, "crosscheck.json", "README.md", "figures/")
     with progress() as tell:
         from testbed.crosscheck.run import run_crosscheck
 

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from testbed.cli.options import AsJson, Jobs
+from testbed.cli.options import AsJson, Jobs, out_folder
 from testbed.cli.progress import progress
 
 EXAMPLE = "Example: testbed effects squeeze_film --out results/effects"
@@ -15,7 +15,7 @@ Kinds = Annotated[
     typer.Argument(metavar="[KIND]...", help="Kinds of effects; all unless given.", show_default=False),
 ]
 Folder = Annotated[
-    Path | None,
+    str | None,
     typer.Option("--out", metavar="DIR", help="Draw pictures of the kinds and write the page of the library here."),
 ]
 
@@ -26,13 +26,11 @@ def effects(kinds: Kinds = None, *, out: Folder = None, jobs: Jobs = 2, as_json:
 
     names = chosen(kinds or [])
     if out is not None:
-        from testbed.outputs import check_open
-
-        check_open(out)
+        folder = out_folder(out, Path("effects"), "effects.md", "figures/effects/")
         with progress() as tell:
             from testbed.effects_page.run import run_effects
 
-            run_effects(names, out, jobs=jobs, progress=tell)
+            run_effects(names, folder, jobs=jobs, progress=tell)
     from testbed.cli.tables import print_effects, print_json, say
 
     content = library_json(names)

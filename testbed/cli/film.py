@@ -32,7 +32,7 @@ def film(
     as_json: AsJson = False,
 ) -> None:
     """Film the rig as it was driven: an animated GIF, and a GLB that any glTF viewer turns and plays."""
-    folder = out_folder(out, of)
+    folder = out_folder(out, of, "film.json")
     with progress() as tell:
         from testbed.film.run import Order
         from testbed.film.run import film as filmed

@@ -33,6 +33,7 @@ def frf(
 ) -> None:
     """H1, H2 and coherence at each excitation level: frf.json and figures."""
     from models.rig_file import read_rig
+    from testbed.channel_checks import check_excitation
     from testbed.channels import channels_of_file, channels_with_rig
     from testbed.cli.tables import print_json, print_table, say
     from testbed.figures.levels import levels_figure
@@ -40,13 +41,16 @@ def frf(
     from testbed.frf_record import levels_json, levels_of
     from testbed.outputs import json_text, staged
 
+    folder = out_folder(out, record, "frf.json", "figures/")
     left_out = without or []
     if rig is not None:
-        channels = channels_with_rig(record, read_rig(rig), left_out)
+        known = read_rig(rig)
+        check_excitation(excitation, known)
+        channels = channels_with_rig(record, known, left_out)
     else:
         channels = channels_of_file(record, excitation, left_out)
     levels = levels_of(channels, resolution)
-    content, folder = levels_json(levels), out_folder(out, record)
+    content = levels_json(levels)
     with staged(folder) as stage:
         (stage / "frf.json").write_text(json_text(content), encoding="utf-8")
         for i, sensor in enumerate(channels.sensors):

@@ -59,7 +59,7 @@ def identify(
     as_json: AsJson = False,
 ) -> None:
     """Frequency and damping over time with intervals, and what they depend on: identification.json and figures."""
-    folder = out_folder(out, record)
+    folder = out_folder(out, record, "identification.json", "rig.updated.toml", "figures/")
     with progress() as tell:
         from identification.decay.identify import Settings
         from testbed.identify.run import Order, run_identification

@@ -25,8 +25,9 @@ def modes(
     from testbed.outputs import json_text, staged
     from testbed.whole_rig import whole_rig
 
+    folder = out_folder(out, rig, "modes.json", "figures/")
     found = rig_modes(whole_rig(rig), highest)
-    content, folder = modes_json(found), out_folder(out, rig)
+    content = modes_json(found)
     with staged(folder) as stage:
         (stage / "modes.json").write_text(json_text(content), encoding="utf-8")
         if found.x is not None:

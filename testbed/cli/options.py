@@ -5,13 +5,15 @@ from typing import Annotated
 
 import typer
 
+from models.errors import InputError
+
 RigFile = Annotated[Path, typer.Argument(metavar="RIG", help="Rig file (TOML).", show_default=False)]
 Records = Annotated[
     list[Path],
     typer.Argument(metavar="RECORD", help="Records: .uff .unv .csv .mat .h5 .hdf5 .npz.", show_default=False),
 ]
 Out = Annotated[
-    Path | None,
+    str | None,
     typer.Option(
         "--out",
         metavar="DIR",
@@ -27,18 +29,35 @@ Without = Annotated[
 ]
 
 
-def out_folder(out: Path | None, file: Path) -> Path:
+def out_folder(out: str | None, file: Path, *written: str) -> Path:
     """Where results go: as asked for, or ``results/<name of the file>``; seen to be open before anything is computed.
 
     Args:
         out: from ``--out``.
         file: the rig or record that the command is about.
+        written: what will be written there, as ``check_open`` takes it.
 
     Raises:
         InputError: results cannot be written there.
     """
     from testbed.outputs import check_open
 
-    folder = Path("results") / file.stem if out is None else out
-    check_open(folder)
+    folder = Path("results") / file.stem if out is None else named_folder(out)
+    check_open(folder, written)
     return folder
+
+
+def named_folder(out: str) -> Path:
+    """The folder that ``--out`` names; nothing is not taken for the folder one is in.
+
+    Args:
+        out: from ``--out``.
+
+    Raises:
+        InputError: it is empty, as after a variable that is not set.
+    """
+    if not out.strip():
+        raise InputError(
+            f"--out {out!r}", "results go into a folder that has a name", "name one; the folder you are in is --out ."
+        )
+    return Path(out)

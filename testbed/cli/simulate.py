@@ -42,7 +42,7 @@ def simulate(
     as_json: AsJson = False,
 ) -> None:
     """Carry out a virtual test: records, truth.toml, simulation.json and figures of the contacts."""
-    folder = out_folder(out, experiment)
+    folder = out_folder(out, experiment, "simulation.json", "truth.toml", "figures/")
     with progress() as tell:
         from models.simulators.protocol import Resolution
         from testbed.simulate_run import Order, run_experiment

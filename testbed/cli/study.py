@@ -24,7 +24,7 @@ def _studies() -> None:
 @study.command("contact-laws", epilog=EXAMPLE)
 def contact_laws(rig: RigFile, *, out: Out = None, as_json: AsJson = False) -> None:
     """A ball and the beam against every contact law in three simulators; status 1 if they differ by more than 1 %."""
-    folder = out_folder(out, rig)
+    folder = out_folder(out, rig, "README.md", "contact_laws.json", "figures/")
     with progress() as tell:
         from testbed.contact_laws.run import run_contact_laws
 
@@ -53,7 +53,7 @@ def identifier(
     as_json: AsJson = False,
 ) -> None:
     """The identifier against the article's verification and the Cramer-Rao bound; status 1 if a bar is missed."""
-    folder = out_folder(out, Path("identifier"))
+    folder = out_folder(out, Path("identifier"), "README.md", "identifier.json", "figures/")
     with progress() as tell:
         from testbed.identifier_study.run import run_identifier_study
 
@@ -83,7 +83,7 @@ DataFolder = Annotated[
 @study.command("silverbox", epilog="Example: testbed study silverbox data/silverbox --out results/silverbox")
 def silverbox(folder: DataFolder, *, out: Out = None, seed: Seed = 0, jobs: Jobs = 2, as_json: AsJson = False) -> None:
     """The Silverbox circuit: what it hides, named and predicted; status 1 if a bar is missed."""
-    written = out_folder(out, Path("silverbox"))
+    written = out_folder(out, Path("silverbox"), "README.md", "silverbox.json", "figures/")
     with progress() as tell:
         from testbed.real_data.run import run_silverbox
 
@@ -99,7 +99,7 @@ def friction_frame(
     folder: DataFolder, *, out: Out = None, seed: Seed = 0, jobs: Jobs = 2, as_json: AsJson = False
 ) -> None:
     """A frame that rubs, at three weights: friction against weight; status 1 if a bar is missed."""
-    written = out_folder(out, Path("friction_frame"))
+    written = out_folder(out, Path("friction_frame"), "README.md", "friction_frame.json", "figures/")
     with progress() as tell:
         from testbed.real_data.run import run_friction_frame
 
@@ -113,7 +113,7 @@ def friction_frame(
 )
 def bolted_beam(folder: DataFolder, *, out: Out = None, jobs: Jobs = 2, as_json: AsJson = False) -> None:
     """The Brake-Reuss beam: what its joint does at four force levels; status 1 if a bar is missed."""
-    written = out_folder(out, Path("bolted_beam"))
+    written = out_folder(out, Path("bolted_beam"), "README.md", "bolted_beam.json", "figures/")
     with progress() as tell:
         from testbed.real_data.run import run_bolted_beam
 
@@ -131,7 +131,7 @@ def article(
     as_json: AsJson = False,
 ) -> None:
     """The article's case study as a virtual experiment: tests, three models, probability, sines and control."""
-    folder = out_folder(out, Path("article"))
+    folder = out_folder(out, Path("article"), "README.md", "article.json", "figures/")
     with progress() as tell:
         from testbed.article.run import run_article
 

@@ -28,7 +28,7 @@ def sweep(
     as_json: AsJson = False,
 ) -> None:
     """Steady motion under sines at several levels, around its folds, and the backbone: sweep.json and a figure."""
-    folder = out_folder(out, rig)
+    folder = out_folder(out, rig, "sweep.json", "figures/")
     with progress() as tell:
         from testbed.figures.save import save
         from testbed.figures.sweep import sweep_figure

@@ -1,6 +1,7 @@
 """Cases on the cores of this machine, each in a process of its own: one that dies takes no other case with it."""
 
 import os
+import signal
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from multiprocessing import get_context, parent_process
@@ -64,6 +65,7 @@ def _in_own_process(task: Task, run: RunCase, threads: int) -> Json:
 
 
 def _send(to: Connection, run: RunCase, task: Task, threads: int) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # an interrupt ends it without a word: the parent has its own
     Thread(target=_end_with_parent, daemon=True).start()
     to.send(run(task, threads))
     to.close()

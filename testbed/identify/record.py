@@ -12,6 +12,7 @@ from identification.signals.peaks import LEAST_SAMPLES
 from models.arrays import FloatArray
 from models.errors import InputError
 from models.rig import Rig
+from testbed.channel_checks import check_excitation
 from testbed.channels import Channels, channels_of_file, channels_with_rig
 
 LEAST_SHARE = 0.05
@@ -66,6 +67,8 @@ def decays_of(
     Raises:
         InputError: a file that cannot be used, a channel or stretch that is not there, or a force that never rests.
     """
+    if rig is not None:
+        check_excitation(excitation, rig)
     channels = channels_of_file(path, excitation, without) if rig is None else channels_with_rig(path, rig, without)
     if names:
         channels = channels.only(names)

@@ -25,6 +25,31 @@ from testbed.records.time_base import sampling_rate
 from testbed.records.units import Measured, si_factor
 
 
+class UnusableChannelsError(InputError):
+    """Channels that a comparison cannot do without; ``names`` are theirs."""
+
+    names: tuple[str, ...] = ()
+
+
+def unusable(given: str, names: Sequence[str], rig: Rig, without: Sequence[str]) -> UnusableChannelsError:
+    """The error for channels of one or more records, with one way out for all of them.
+
+    Args:
+        given: the files, and what is wrong with their channels.
+        names: of the channels.
+        rig: whose channels they are.
+        without: those that are left out already, and have to be named again.
+    """
+    out = dict.fromkeys([*without, *names])
+    options = " ".join(f"--without {shlex.quote(name)}" for name in out)
+    mend = f"mend the record, or leave out with {options}"
+    if {sensor.name for sensor in rig.sensors} <= set(out):
+        mend = "mend the records, or take each by itself, with a --without for each channel that it lacks"
+    error = UnusableChannelsError(given, "a comparison needs every channel of the rig, alive and plausible", mend)
+    error.names = tuple(names)
+    return error
+
+
 def read_record(path: Path | str, rig: Rig, *, without: Sequence[str] = (), strict: bool = True) -> AnyRecord:
     """Read a file and resolve its channels against a rig.
 
@@ -49,7 +74,7 @@ def read_record(path: Path | str, rig: Rig, *, without: Sequence[str] = (), stri
     )
     missing = tuple(name for name in expected if name not in record.sensors)
     if strict and missing:
-        raise _refused(path.name, [Fault(missing, f"no channel for {', '.join(missing)}")])
+        raise _refused(path.name, [Fault(missing, f"no channel for {', '.join(missing)}")], rig, without)
     return record
 
 
@@ -79,6 +104,7 @@ def _time_record(
     n_samples = len(next(iter(signals.responses.values())))
     fs = sampling_rate(recording, n_samples)
     freq = first_natural_freq(rig)
+    _check_rate(file, n_samples, fs, freq)
     _check_duration(file, n_samples, fs, freq)
     excitation, position = signals.excitation, matched.excitation_position
     faults = find_faults(signals.responses, rig, expected)
@@ -92,7 +118,7 @@ def _time_record(
     if not responses:
         raise _nothing_measured(file, signals.responses, faults)
     if faults and strict:
-        raise _refused(file, faults)
+        raise _refused(file, faults, rig, without)
     driven = None if excitation is not None else undying(list(responses.values()))
     told = (*(f"{fault.reason}; left out" for fault in faults), *([] if driven is None else [driven]))
     return Record(
@@ -156,11 +182,15 @@ def _nothing_measured(file: str, responses: Mapping[str, FloatArray], faults: li
     )
 
 
-def _refused(file: str, faults: list[Fault]) -> InputError:
+def _check_rate(file: str, n_samples: int, fs: float, freq: float) -> None:
+    if fs < 2.0 * freq:
+        raise InputError(
+            f"{file}: {n_samples} samples at {fs:.4g} Hz, {n_samples / fs:.4g} s",
+            f"a record holds frequencies up to half its rate, and the first mode of the rig is at {freq:.4g} Hz",
+            "if its time column is in ms, call it time [ms]; otherwise correct fs, or record faster",
+        )
+
+
+def _refused(file: str, faults: list[Fault], rig: Rig, without: Sequence[str]) -> UnusableChannelsError:
     names = [name for fault in faults for name in fault.sensors]
-    options = " ".join(f"--without {shlex.quote(name)}" for name in dict.fromkeys(names))
-    return InputError(
-        f"{file}: {'; '.join(fault.reason for fault in faults)}",
-        "a comparison needs every channel of the rig, alive and plausible",
-        f"mend the record, or leave out with {options}",
-    )
+    return unusable(f"{file}: {'; '.join(fault.reason for fault in faults)}", names, rig, without)

@@ -7,7 +7,7 @@ from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any
 
 from models.errors import InputError
-from models.rig import Excitation, Sensor
+from models.rig import Excitation, Rig, Sensor
 from testbed.records.recording import Tag
 
 if TYPE_CHECKING:
@@ -220,6 +220,29 @@ def _sensitivity(measured: Measured) -> tuple[float, str, str]:
         'a sensitivity is a number above 0 and two known units, as in "100 mV/g"',
         "correct it in the rig file",
     )
+
+
+def check_sensitivities(rig: Rig) -> None:
+    """Whether each sensitivity of a rig leads to the quantity of its channel, though no record may need it.
+
+    Args:
+        rig: whose sensors and excitation have sensitivities.
+
+    Raises:
+        InputError: one is no sensitivity, or of another quantity.
+    """
+    driven = [] if rig.excitation is None else [Measured.of(rig.excitation)]
+    for measured in (*map(Measured.of, rig.sensors), *driven):
+        if measured.sensitivity is None:
+            continue
+        per = _unit(_sensitivity(measured)[2])
+        if per is None or _factor_to_si(per, measured.quantity) is None:
+            raise InputError(
+                f'{measured.name}: sensitivity = "{measured.sensitivity}"',
+                f"{measured.name} measures {_a(measured.quantity)}, so its sensitivity is per "
+                f"{_common(measured.quantity)} or a unit like it",
+                "correct sensitivity or quantity in the rig file",
+            )
 
 
 def _is_electrical(unit: "pint.Unit") -> bool:

@@ -1,6 +1,7 @@
 """From an experiment to its runs: what drives each of them, and which part of it is recorded."""
 
-from collections.abc import Callable, Iterator
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import radians
 from typing import Any
@@ -57,7 +58,7 @@ def runs_of(experiment: Experiment, rig: Rig) -> tuple[Run, ...]:
         rig: whose excitation drives it.
 
     Raises:
-        InputError: an excitation that the rig cannot have.
+        InputError: an excitation that the rig cannot have, or two runs whose records would have one name.
     """
     excitation, rng = experiment.excitation, np.random.default_rng(experiment.seed)
     if rig.excitation is None and not isinstance(excitation, Release):
@@ -74,6 +75,7 @@ def runs_of(experiment: Experiment, rig: Rig) -> tuple[Run, ...]:
     angle = radians(excitation.angle) if isinstance(excitation, Drive) else 0.0
     at = excitation.position if isinstance(excitation, Placed) else None
     runs = tuple(PLANS[type(excitation)](excitation, experiment.fs, rng))
+    _check_names([run.name for run in runs])
     trials = [replace(run.trial, angle=angle, position=run.trial.position if at is None else at) for run in runs]
     return tuple(replace(run, trial=trial) for run, trial in zip(runs, trials, strict=True))
 
@@ -95,6 +97,16 @@ def _check_on_beam(excitation: AnyExcitation, rig: Rig) -> None:
         if place is not None and not 0.0 < place <= length:
             raise InputError(
                 f"excitation: position {place:g} m", f"a force acts on the beam, 0 to {length:g} m", "correct it"
+            )
+
+
+def _check_names(names: Sequence[str]) -> None:
+    for name, number in Counter(names).items():
+        if number > 1:
+            raise InputError(
+                f"excitation: {number} runs are called {name}",
+                "each run of an experiment is a record of its own, called by its level or place to six digits",
+                "give each level of rms and each of the positions once; realisations repeat a level with other phases",
             )
 
 
@@ -132,7 +144,7 @@ def _blows(about: Hammer, fs: float, rng: np.random.Generator) -> Iterator[Run]:
 def _roving(about: RovingHammer, fs: float, rng: np.random.Generator) -> Iterator[Run]:  # noqa: ARG001
     force = half_sine_hammer(fs, round(about.duration * fs), about.start, about.width, about.peak)
     for position in about.positions:
-        yield Run(f"hammer_at_{1000.0 * position:.0f}mm", Trial(fs, force, position=position))
+        yield Run(f"hammer_at_{1000.0 * position:g}mm", Trial(fs, force, position=position))
 
 
 def _released(about: Release, fs: float, rng: np.random.Generator) -> Iterator[Run]:  # noqa: ARG001

@@ -14,7 +14,7 @@ from models.effects.protocol import Place
 from models.errors import InputError
 from models.plant import Plant, build_plant
 from models.record import Record
-from models.rig import Beam, Rig
+from models.rig import Beam, Rig, Sensor
 from models.simulators import simulator
 from models.simulators.protocol import Motion, Resolution, Trial
 from testbed.virtual.as_built import perturbed
@@ -66,7 +66,7 @@ def laboratory_of(experiment: Experiment, rig: Rig) -> Laboratory:
         rig: as its owner describes it.
 
     Raises:
-        InputError: a sensor or an effect that the rig does not have.
+        InputError: a sensor or an effect that the rig does not have, or a sensor that would sit beside the beam.
     """
     rng = np.random.default_rng([experiment.seed, 1])
     tables = dict(experiment.sensors)
@@ -74,10 +74,7 @@ def laboratory_of(experiment: Experiment, rig: Rig) -> Laboratory:
     _check_names(tables, rig)
     sensors = {s.name: bought(tables.get(s.name, common), f"sensors.{s.name}") for s in rig.sensors}
     built = perturbed(rig, rng) if experiment.truth.perturbed else rig
-    moved = [
-        s if s.position is None else s.model_copy(update={"position": s.position + sensors[s.name].position_error})
-        for s in rig.sensors
-    ]
+    moved = [_moved(s, sensors[s.name].position_error, rig, s.name if s.name in tables else "all") for s in rig.sensors]
     entries = enumerate(experiment.truth.effects)
     hidden = [build_effect(entry, rig, EFFECTS, f"truth.effects[{i}]") for i, entry in entries]
     if isinstance(rig.structure, Beam):
@@ -88,6 +85,20 @@ def laboratory_of(experiment: Experiment, rig: Rig) -> Laboratory:
         ]
     built = built.model_copy(update={"sensors": tuple(moved)})
     return Laboratory(rig, built, tuple(hidden), sensors, bought(force, "sensors.excitation"), experiment.seed)
+
+
+def _moved(sensor: Sensor, error: float, rig: Rig, table: str) -> Sensor:
+    """The sensor where it really sits."""
+    if sensor.position is None or not isinstance(rig.structure, Beam):
+        return sensor
+    position = sensor.position + error
+    if not 0.0 <= position <= rig.structure.length:
+        raise InputError(
+            f"sensors.{table}.position_error = {error:g} m puts {sensor.name} at {position:g} m",
+            f"a sensor sits on the beam, 0 to {rig.structure.length:g} m",
+            f"{sensor.name} is said to be at {sensor.position:g} m: make the error smaller",
+        )
+    return sensor.model_copy(update={"position": position})
 
 
 def _check_names(tables: Mapping[str, SensorTable], rig: Rig) -> None:

@@ -73,6 +73,15 @@ def test_an_effect_is_named_where_little_is_left_of_the_misfit(calibrated, final
     assert called(calibrated, final)[0] == verdict
 
 
+@pytest.mark.parametrize(("left", "verdict"), [(0.3, "unexplained"), (0.05, "missing_effect")])
+def test_what_leaves_much_of_the_motion_is_no_diagnosis_however_much_it_took_away(left, verdict):
+    evaluator, calibrated = quiet(error=8.0)
+    _, near = quiet(error=left)
+    final = replace(fit_leaving(near.chi2, near.residual, effect=True), hypothesis=near.hypothesis.with_effects(MASS))
+    assert calibrated.ratio > final.ratio > 10.0
+    assert verdict_of(Listener(fitting=evaluator), calibrated, final, searched=True) == verdict
+
+
 def test_what_nothing_explains_is_complete_only_within_what_is_known_of_the_noise():
     assert called(1.1, searched=False)[0] == "complete"
     assert called(1.2)[0] == "complete"

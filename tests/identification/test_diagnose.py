@@ -113,6 +113,21 @@ def test_a_hardening_spring_is_found(rms):
     assert found.stages[-1].label == "+ cubic_stiffness"
 
 
+@pytest.mark.parametrize("gain", [-1.0, 1e-3], ids=["reversed", "in kN"])
+def test_a_force_that_is_reversed_or_in_another_unit_is_found_and_told(gain):
+    truth = Hypothesis(REFERENCE, effects=(ForceGain(Place(), gain=gain),))
+    record, _ = measured(truth, gain * multisine(4096, 2, rms=5.0), name="loud")
+    kept, _ = measured(truth, gain * multisine(2048, rms=3.0, seed=9), name="kept")
+
+    found = diagnose(REFERENCE, [record], [kept], jobs=2)
+
+    (added,) = found.added
+    assert added.effect.kind == "force_gain"
+    assert added.effect.gain == pytest.approx(gain, rel=0.01)
+    assert found.holdout["updated"].nrmse < 1.2 * found.holdout["updated"].noise_nrmse
+    assert any("loud: all 8 channels are" in finding for finding in found.all_findings)
+
+
 def test_what_the_library_lacks_is_called_unexplained():
     rig = oscillator("displacement")
     stiffness = 0.3 * rig.structure.stiffness / 1e-3**2

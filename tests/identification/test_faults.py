@@ -19,6 +19,7 @@ from identification.session import Session
 from models.effects import EFFECTS, Place
 from models.effects.base_motion import BaseMotion
 from models.effects.coulomb_friction import CoulombFriction
+from models.effects.force_gain import ForceGain
 from models.effects.mains_hum import MainsHum
 from models.effects.point_mass import PointMass
 from models.effects.sensor_delay import SensorDelay
@@ -64,6 +65,13 @@ def test_a_channel_that_contradicts_the_others_is_named(effect):
     assert effect.kind in seen.kinds(EFFECTS)
     assert all("sensor" in kind.places for kind in seen.kinds(EFFECTS).values())
     assert "P3 contradicts the other channels" in seen.words
+
+
+@pytest.mark.parametrize("gain", [-1.0, 9.80665], ids=["upside down", "g"])
+def test_a_force_that_makes_all_channels_contradict_the_model_alike_is_suspected(gain):
+    seen = looked_at(ForceGain(Place(), gain=gain))
+    assert set(seen.kinds(EFFECTS)) == {"force_gain"}
+    assert "all 8 channels are" in seen.words
 
 
 @pytest.mark.parametrize(("one", "other"), [("P3", "P6"), ("P7", "P8")])

@@ -92,6 +92,18 @@ def test_the_transient_of_a_start_from_rest_does_not_bias_a_multisine():
     np.testing.assert_allclose(estimate.h1[0], oscillator(estimate.frequency), rtol=1e-6)
 
 
+def test_a_model_that_settles_later_does_not_choose_the_periods_of_a_record():
+    """Two models beside one record share its lines, whatever the transients that they foresee."""
+    x = multisine(1000, 6, slice(3, 370))
+    t = np.arange(x.size) / FS
+    late = 40.0 * np.exp(-0.01 * 2.0 * np.pi * 20.0 * t) * np.sin(2.0 * np.pi * 20.0 * t)
+    beside = [np.stack([response(x) + more]) for more in (0.0, late)]
+    one, other = (estimate_frf(x, response(x)[np.newaxis], FS, resolution=1.0, besides=each) for each in beside)
+    assert one.n_averages == other.n_averages == 6
+    np.testing.assert_array_equal(one.frequency, other.frequency)
+    np.testing.assert_allclose(one.h1[1], one.h1[0], rtol=1e-9)
+
+
 def test_a_sensor_offset_does_not_matter():
     x = noise(1.0, 0)
     y = response(x)[np.newaxis]

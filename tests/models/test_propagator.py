@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from models.errors import InputError
+from models.errors import NotComputableError
 from models.propagator import LANES, exact_step, to_blocks
 
 H = 2e-4
@@ -146,7 +146,7 @@ def test_a_critically_damped_mode_beside_another_moves_as_it_should():
 
 def test_a_free_mode_without_damping_among_coupled_ones_is_refused():
     """It moves in proportion to time, which no eigenvalue does."""
-    with pytest.raises(InputError) as caught:
+    with pytest.raises(NotComputableError) as caught:
         to_blocks(np.array([0.0, 10.0, 20.0]), np.array([[0.0, 0, 0], [0, 1, 0.5], [0, 0.5, 1]]), np.ones((3, 1)))
     assert "two modes that merge" in caught.value.given
     assert "a part in a million" in caught.value.mend

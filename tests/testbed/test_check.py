@@ -4,8 +4,11 @@ import pytest
 from cli_files import RIG_TOML, make_files
 
 from models.errors import InputError
+from models.rig_file import read_rig
 from testbed.check import check_files
 from testbed.inputs import read_inputs
+from testbed.records.read import read_record
+from testbed.records.write import write_record
 
 
 @pytest.fixture(scope="module")
@@ -41,6 +44,7 @@ def test_fine_files_say_what_they_hold(folder):
         ("diameter = 0.02", "diameter = 20.0", "are both in m?"),
         ("youngs_modulus = 210e9", "youngs_modulus = 210e3", "in SI units?"),
         ("clearance = 3e-4", "clearance = 0.3", "is it in m?"),
+        ("rayleigh_damping = [4.0, 2e-5]", "rayleigh_damping = [2e-5, 4.0]", "and eta2 the second, in s?"),
     ],
 )
 def test_numbers_in_another_unit_are_doubted(folder, key, value, doubt):
@@ -119,3 +123,56 @@ def test_a_channel_left_out_is_no_error(folder):
 def test_two_records_of_one_name_are_told(folder):
     path = folder / "sweep.csv"
     assert sum(f.severity == "error" for f in check_files(folder / "rig.toml", [path, path])) == 2
+
+
+def test_a_sensitivity_of_another_quantity_is_an_error_and_stops_the_others(folder):
+    path = folder / "newtons.toml"
+    path.write_text(RIG_TOML.replace('name = "P2"', 'name = "P2"\nsensitivity = "100 mV/N"'))
+    rig, _ = check_files(path, [folder / "sweep.csv"])
+    assert (rig.severity, rig.text[:52]) == ("error", 'newtons.toml: P2: sensitivity = "100 mV/N"; P2 measu')
+    with pytest.raises(InputError, match=r"newtons.toml: P2: sensitivity"):
+        read_inputs(path, [folder / "sweep.csv"])
+
+
+def test_a_time_in_ms_that_is_read_as_s_is_an_error(folder):
+    _, names, *rows = (folder / "sweep.csv").read_text().splitlines()
+    cells = [row.split(",") for row in rows]
+    text = [",".join([repr(1e3 * float(time)), *samples]) for time, *samples in cells]
+    (folder / "slow.csv").write_text("\n".join([names, *text]) + "\n")
+    _, record = check_files(folder / "rig.toml", [folder / "slow.csv"])
+    assert record.severity == "error"
+    assert "at 0.512 Hz, 1000 s; a record holds frequencies up to half its rate" in record.text
+    assert "if its time column is in ms" in record.text
+
+
+def renamed(folder, old, file):
+    """A copy of the burst in which one channel is another sensor's, that the rig does not have."""
+    path = folder / file
+    path.write_text((folder / "burst.csv").read_text().replace(f"{old} [", f"Q{old[1]} ["))
+    return path
+
+
+def test_records_of_different_channels_are_refused_with_one_way_out_that_leads_out(folder):
+    files = [renamed(folder, "P1", "no1.csv"), renamed(folder, "P3", "no3.csv")]
+    with pytest.raises(InputError) as caught:
+        read_inputs(folder / "rig.toml", files)
+    assert "no1.csv: no channel for P1; no3.csv: no channel for P3; a comparison" in str(caught.value)
+    assert str(caught.value).endswith("leave out with --without P1 --without P3")
+    read = read_inputs(folder / "rig.toml", files, without=["P1", "P3"])
+    assert [record.sensors for record in read.records] == [("P2",), ("P2",)]
+
+
+def test_records_without_a_channel_in_common_are_to_be_taken_one_at_a_time(folder):
+    files = [renamed(folder, f"P{i}", f"without{i}.csv") for i in (1, 2, 3)]
+    with pytest.raises(InputError, match=r"mend the records, or take each by itself, with a --without for each"):
+        read_inputs(folder / "rig.toml", files)
+
+
+def test_a_record_kept_aside_is_compared_by_its_samples(folder):
+    rig, burst = folder / "rig.toml", folder / "burst.csv"
+    (folder / "commented.csv").write_text(f"# another byte\n{burst.read_text()}")
+    write_record(read_record(burst, read_rig(rig)), read_rig(rig), folder / "again.h5")
+    for name in ("commented.csv", "again.h5"):
+        with pytest.raises(InputError, match=rf"--holdout {name}: the same samples as burst.csv; a record kept aside"):
+            read_inputs(rig, [folder / "sweep.csv", burst], [folder / name], strict=False)
+    read_inputs(rig, [burst], [folder / "sweep.csv"], strict=False)

@@ -73,6 +73,40 @@ def test_a_results_folder_that_is_a_file_is_a_message(capsys, tmp_path):
     assert "out is a file; results go into a folder" in capsys.readouterr().err
 
 
+WRITING = {
+    "diagnose": [str(RIG), "a.csv"],
+    "compare": [str(RIG), "a.csv"],
+    "add": [str(RIG), "squeeze_film", "--sleeve", "sleeve 2", "--fit", "a.csv"],
+    "modes": [str(RIG)],
+    "frf": ["a.csv"],
+    "budget": ["a.csv"],
+    "identify": ["a.csv"],
+    "sweep": [str(RIG), "--amplitude", "1", "--from", "5", "--to", "6"],
+    "simulate": [str(RIG), "a.toml"],
+    "film": [str(RIG), "a.csv"],
+    "cosim": [str(RIG)],
+    "crosscheck": [str(RIG)],
+    "effects": ["squeeze_film"],
+    "demo": [],
+    "study": ["contact-laws", str(RIG)],
+    "benchmark": ["hidden-effects"],
+}
+
+
+@pytest.mark.parametrize("command", WRITING)
+@pytest.mark.parametrize(
+    ("out", "message"), [("", "--out ''; results go into a folder that has a name; "), ("file/out", "file is a file; ")]
+)
+def test_a_folder_that_cannot_be_written_is_told_before_a_file_is_read(
+    command, out, message, capsys, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("")
+    assert main([command, *WRITING[command], "--out", out]) == 2
+    assert message in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
 @pytest.mark.parametrize("command", COMMANDS)
 def test_help_shows_an_example(command, capsys):
     assert main([command, "--help"]) == 0
@@ -85,13 +119,31 @@ def test_without_a_command_the_help_lists_them_all(capsys):
     assert all(command in out for command in COMMANDS)
 
 
-def test_an_interrupt_is_no_traceback(monkeypatch, capsys):
+ANEW = "stopped; nothing was written, a new start begins anew"
+GOES_ON = "stopped; what was finished is kept, and the same command goes on from there"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "place", "line"),
+    [
+        (["compare", str(RIG), "a.csv"], "testbed.inputs.read_inputs", ANEW),
+        (["diagnose", str(RIG), "a.csv"], "testbed.inputs.read_inputs", ANEW),
+        (["study", "contact-laws", str(RIG)], "testbed.contact_laws.run.run_contact_laws", ANEW),
+        (["study", "article"], "testbed.article.run.run_article", GOES_ON),
+        (["simulate", str(RIG), "a.toml"], "testbed.simulate_run.run_experiment", GOES_ON),
+        (["benchmark", "hidden-effects"], "testbed.hidden_effects.run.run_hidden_effects", GOES_ON),
+        (["demo"], "testbed.simulate_run.run_experiment", GOES_ON),
+    ],
+)
+def test_an_interrupt_is_a_line_that_says_what_is_kept(arguments, place, line, monkeypatch, capsys, tmp_path):
     def interrupt(*args, **kwargs):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("testbed.inputs.read_inputs", interrupt)
-    assert main(["compare", str(RIG), "a.csv"]) == 130
-    assert "Traceback" not in capsys.readouterr().err
+    monkeypatch.setattr(place, interrupt)
+    assert main([*arguments, "--out", str(tmp_path / "out")]) == 130
+    streams = capsys.readouterr()
+    assert streams.err.splitlines()[-1] == line
+    assert (streams.out, "Traceback" in streams.err) == ("", False)
 
 
 def test_the_commands_start_without_the_heavy_libraries():

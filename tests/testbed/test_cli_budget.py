@@ -64,3 +64,11 @@ def test_records_that_do_not_repeat_are_no_error(folder, capsys):
 def test_a_channel_that_is_not_there_is_refused(folder, capsys, rig):
     assert main(["budget", "sweep.csv", *rig, "--channel", "P9", "--out", "out"]) == 2
     assert "no channel 'P9'; its channels are P1, P2, P3" in capsys.readouterr().err
+
+
+def test_a_channel_of_one_of_the_records_may_be_left_out(folder, capsys):
+    text = (folder / "sweep.csv").read_text().replace("P3 [", "Q3 [")
+    (folder / "other.csv").write_text(text)
+    assert main(["budget", "sweep.csv", "other.csv", "--without", "Q3", "--out", "out", "--json"]) == 0
+    records = json.loads(capsys.readouterr().out)["records"]
+    assert [len(record["channels"]) for record in records] == [3, 2]

@@ -127,6 +127,25 @@ def test_a_report_that_cannot_be_written_leaves_the_old_results(folder, loop, ca
     assert {path: path.read_bytes() for path in out.rglob("*") if path.is_file()} == before
 
 
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("report.html/", None, "results/rig/report.html is a folder"),
+        ("history", "", "results/rig/history is a file"),
+        ("history/history.json", "{", "results/rig/history/history.json: Expecting"),
+        ("history/history.json", '{"entries": [], "current": 3}', "its numbers do not fit together"),
+        ("next_experiment.toml/", None, "results/rig/next_experiment.toml is a folder"),
+    ],
+)
+def test_what_would_stop_the_results_is_told_before_anything_is_computed(folder, loop, capsys, name, content, message):
+    path = folder / "results" / "rig" / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.mkdir() if content is None else path.write_text(content)
+    assert diagnose() == 2
+    assert message in capsys.readouterr().err
+    assert loop.calls == []
+
+
 def test_the_report_is_told_where_everything_comes_from(folder, loop):
     diagnose("--seed", "3", "--holdout", "burst.csv")
     rig_path, record_paths, seed, command = loop.provenance

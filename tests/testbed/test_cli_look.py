@@ -1,6 +1,7 @@
 """``modes``, ``frf``, ``compare`` and ``check`` on files."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -70,9 +71,66 @@ def test_a_channel_without_unit_needs_the_rig(folder, capsys):
 
 def test_an_excitation_that_is_not_there_is_told_with_the_channels(capsys):
     assert main(["frf", "burst.csv", "--excitation", "hammer"]) == 2
-    assert (
-        "--excitation hammer: no channel has that name; its channels are shaker, P1, P2, P3" in capsys.readouterr().err
-    )
+    assert "no channel 'hammer' for --excitation; its channels are shaker, P1, P2, P3; " in capsys.readouterr().err
+
+
+def test_a_response_beside_a_force_is_no_excitation_but_one_without_is(capsys):
+    assert main(["frf", "burst.csv", "--excitation", "P1"]) == 2
+    told = capsys.readouterr().err
+    assert "burst.csv: --excitation P1 beside shaker, a force; " in told
+    assert told.rstrip().endswith("name shaker, or leave it out with --without 'shaker'")
+    assert main(["frf", "burst.csv", "--excitation", "P1", "--without", "shaker"]) == 0
+
+
+@pytest.mark.parametrize("command", ["frf", "budget", "identify"])
+def test_beside_a_rig_the_excitation_is_the_rigs_own(command, capsys):
+    assert main([command, "burst.csv", "--rig", "rig.toml", "--excitation", "zz"]) == 2
+    message = "--excitation zz beside --rig; the rig's excitation is shaker, its sensors are P1, P2, P3; leave"
+    assert message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["frf", "budget"])
+def test_without_names_a_channel_of_the_file(command, capsys):
+    assert main([command, "burst.csv", "--without", "P9"]) == 2
+    message = "--without P9; the channels of burst.csv are shaker, P1, P2, P3; the nearest one is P"
+    assert message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "command", [["frf"], ["budget"], ["budget", "--rig", "rig.toml"], ["frf", "--rig", "rig.toml"]]
+)
+def test_a_record_of_few_samples_has_no_spectra(folder, command, capsys):
+    lines = (folder / "burst.csv").read_text().splitlines()
+    (folder / "short.csv").write_text("\n".join(lines[:202]) + "\n")
+    assert main([*command, "short.csv"]) == 2
+    assert "short.csv: 200 samples; spectra are averaged" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["frf", "budget"])
+def test_an_excitation_that_is_silent_is_told(folder, command, capsys):
+    rate, names, *rows = (folder / "burst.csv").read_text().splitlines()
+    cells = [row.split(",") for row in rows]
+    silent = [",".join([time, "0", *responses]) for time, _, *responses in cells]
+    (folder / "silent.csv").write_text("\n".join([rate, names, *silent]) + "\n")
+    assert main([command, "silent.csv"]) == 2
+    assert "silent.csv: the measured excitation, a force, is 0 throughout; " in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("resolution", ["1.9", "17", "nan", "1e6"])
+def test_a_spacing_of_lines_that_a_record_cannot_have_is_refused(resolution, capsys):
+    assert main(["frf", "burst.csv", "--resolution", resolution]) == 2
+    assert "--resolution" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("resolution", ["2", "16"])
+def test_the_finest_and_the_coarsest_lines_are_estimated(resolution):
+    assert main(["frf", "burst.csv", "--resolution", resolution, "--without", "P2", "--without", "P3"]) == 0
+
+
+def test_the_bounds_of_the_spacing_are_told(capsys):
+    assert main(["frf", "burst.csv", "--resolution", "100"]) == 2
+    message = "--resolution 100 Hz for burst.csv, 1 s at 512 Hz; lines are 2 Hz apart or more, .*, and 16 Hz or less"
+    assert re.search(message, capsys.readouterr().err)
 
 
 def test_compare_writes_json_and_figures_and_prints_nothing_else(folder, capsys):

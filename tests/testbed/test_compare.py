@@ -52,9 +52,17 @@ def frf_record(rig, frequency, *effects):
 
 
 def test_the_keys_are_those_of_the_format(missing):
-    assert list(missing) == ["nrmse", "noise_nrmse", "records"]
+    assert list(missing) == ["nrmse", "noise_nrmse", "records", "findings"]
     assert list(missing["records"][0]) == ["record", "nrmse", "noise_nrmse", "channels"]
     assert [list(channel) for channel in missing["records"][0]["channels"]] == [CHANNEL_KEYS] * 3
+
+
+def test_a_record_all_of_whose_channels_are_in_another_unit_is_a_finding(rig, record, missing):
+    in_g = replace(record, responses=record.responses / 9.80665)
+    (finding,) = comparison_json(compare(Hypothesis(rig), [in_g], jobs=1))["findings"]
+    assert missing["findings"] == []
+    assert "burst.csv: all 3 channels are" in finding
+    assert "near 9.807 or its inverse (g, or kilograms-force)" in finding
 
 
 def test_the_model_that_made_the_record_leaves_its_noise_alone_and_the_other_does_not(missing, complete):

@@ -43,6 +43,39 @@ def test_a_failure_leaves_what_was_there(tmp_path):
 
 def test_a_folder_that_is_a_file_is_told_in_three_parts(tmp_path):
     (tmp_path / "out").write_text("")
-    message = r"--out .*out: File exists; results go into a folder .*; name another"
+    message = r"--out .*out: .*/out is a file; results go into a folder .*; name another"
     with pytest.raises(InputError, match=message), staged(tmp_path / "out"):
         pass
+
+
+@pytest.mark.parametrize(
+    ("obstacle", "message"),
+    [
+        ("z.html/", r"--out .*: .*/z.html is a folder, and a file is to be written there; .*; name another folder"),
+        ("figures", r"--out .*: .*/figures is a file; results go into a folder .*; .*, or move away what is there"),
+    ],
+)
+def test_nothing_is_replaced_where_one_target_is_blocked(tmp_path, obstacle, message):
+    (tmp_path / "a.json").write_text("old")
+    (tmp_path / obstacle).mkdir() if obstacle.endswith("/") else (tmp_path / obstacle).write_text("")
+
+    def write():
+        with staged(tmp_path) as stage:
+            (stage / "figures").mkdir()
+            for name in ("a.json", "z.html", "figures/a.png"):
+                (stage / name).write_text("new")
+
+    with pytest.raises(InputError, match=message):
+        write()
+    assert (tmp_path / "a.json").read_text() == "old"
+    assert {path.name for path in tmp_path.iterdir()} == {"a.json", obstacle.strip("/")}
+
+
+def test_obstacles_are_seen_before_anything_is_written(tmp_path):
+    (tmp_path / "run.json").mkdir()
+    (tmp_path / "figures").write_text("")
+    check_open(tmp_path, ["other.json", "run.json/"])
+    with pytest.raises(InputError, match=r"run.json is a folder"):
+        check_open(tmp_path, ["other.json", "run.json"])
+    with pytest.raises(InputError, match=r"figures is a file"):
+        check_open(tmp_path, ["figures/"])

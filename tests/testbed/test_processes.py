@@ -1,6 +1,8 @@
 """Work on several cores gives what work on one gives."""
 
 import os
+import signal
+from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 
 import pytest
@@ -33,3 +35,11 @@ def test_a_single_item_needs_no_process_unless_there_is_a_pool():
 def test_what_fails_is_raised():
     with pytest.raises(ZeroDivisionError):
         list(as_done(partial(share, 0.0), [1, 2], 2))
+
+
+def test_an_interrupt_ends_a_process_without_a_traceback(capfd):
+    with processes(1) as pool:
+        running = pool.submit(os.kill, pool.submit(os.getpid).result(), signal.SIGINT)
+        with pytest.raises(BrokenProcessPool):
+            running.result()
+    assert capfd.readouterr().err == ""

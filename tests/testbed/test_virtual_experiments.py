@@ -162,3 +162,28 @@ def test_a_place_that_the_format_cannot_tell_is_refused_before_anything_moves(fo
     assert not (folder / "rove").exists()
     arguments = ["simulate", str(RIG), str(folder / "rove.toml"), "--out", str(folder / "rove"), "--format", "h5"]
     assert main(arguments) == 0
+
+
+def test_a_folder_in_the_place_of_a_record_is_told_before_anything_moves(tmp_path, capsys):
+    (tmp_path / "test.toml").write_text(EXPERIMENT)
+    (tmp_path / "out" / "multisine_6.uff").mkdir(parents=True)
+    assert main(["simulate", str(RIG), str(tmp_path / "test.toml"), "--out", str(tmp_path / "out"), "--jobs", "1"]) == 2
+    assert "multisine_6.uff is a folder" in capsys.readouterr().err
+    assert not (tmp_path / "out" / "multisine_2.uff").exists()
+
+
+@pytest.mark.parametrize(
+    ("table", "error", "message"),
+    [
+        ("P8", 0.5, "test.toml: sensors.P8.position_error = 0.5 m puts P8 at 1.9"),
+        ("all", -0.5, "test.toml: sensors.all.position_error = -0.5 m puts P1 at -0."),
+    ],
+)
+def test_a_sensor_beside_the_beam_is_told_before_anything_moves(tmp_path, capsys, table, error, message):
+    text = f'[excitation]\nkind = "sweep"\n[sensors.{table}]\nposition_error = {error}\n'
+    (tmp_path / "test.toml").write_text(text)
+    assert main(["simulate", str(RIG), str(tmp_path / "test.toml"), "--out", str(tmp_path / "out")]) == 2
+    told = capsys.readouterr().err
+    assert message in told
+    assert "; a sensor sits on the beam, 0 to 1.469 m; " in told
+    assert not (tmp_path / "out").exists()

@@ -1,5 +1,7 @@
 """Effects in the measurement chain, which leave the rig alone."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from effect_scenes import BEAM, scene_at
@@ -9,6 +11,7 @@ from models.effects.force_gain import ForceGain
 from models.effects.protocol import Measurement
 from models.effects.sensor_gain import SensorGain
 from models.effects.sensor_swap import SensorSwap
+from models.errors import NotComputableError
 from models.linear import frf, linearised
 from models.modal import build_modal
 from models.plant import build_plant
@@ -55,6 +58,20 @@ def test_exchanged_sensors_show_in_the_frf_and_in_a_record_without_the_other():
 def test_the_true_force_is_what_the_channel_reads_over_the_gain():
     np.testing.assert_allclose(ForceGain(Place(), gain=1.25).change_excitation(CHANNELS[0]), [0.8, 1.6, 2.4])
     np.testing.assert_array_equal(ForceGain(Place(), gain=1.0).change_excitation(CHANNELS[0]), CHANNELS[0])
+
+
+def test_a_force_in_another_unit_is_tried_as_large_as_the_channels_ask_for_whichever_its_sign():
+    near, far = (
+        [trial.gain for trial in ForceGain.trials(replace(scene_at(Place()), loudness=loudness))]
+        for loudness in (1.2, 9.81)
+    )
+    assert near == [0.8, 0.95, 1.05, 1.25, -1.0]
+    assert far == [*near, -1.0 / 9.81, 1.0 / 9.81]
+
+
+def test_a_gain_of_nothing_tells_of_no_force():
+    with pytest.raises(NotComputableError, match="gain = 0"):
+        ForceGain(Place(), gain=0.0).change_excitation(CHANNELS[0])
 
 
 def test_a_driven_base_has_no_force_channel_to_try():

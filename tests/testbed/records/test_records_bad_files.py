@@ -197,6 +197,10 @@ ALWAYS = {
     "clipped sensor": (columns(clipped(2, 1.0)), ["bad.csv", "channel P1", "clipped", "first at sample"]),
     "clipped force": (columns(clipped(1, 1.0)), ["bad.csv", "channel shaker", "clipped", "lower gain"]),
     "short": (csv(lambda lines: lines[:200]), ["bad.csv", "199 samples", "one period of the first mode, 0.149"]),
+    "time in ms": (
+        columns(lambda v: v * [1e3, 1, 1, 1, 1, 1]),
+        ["bad.csv", "at 2.048 Hz", "half its rate, and the first mode of the rig is at", "call it time [ms]"],
+    ),
     "fs of comment": (csv(lambda lines: ["# fs = fast", *lines]), ["bad.csv", "fs = fast", "number"]),
     "two rates": (csv(lambda lines: ["# fs = 1000", *lines]), ["bad.csv", "1000 Hz", "2048 Hz"]),
     "negative rate": (csv(lambda lines: ["# fs = -2048", *lines]), ["bad.csv", "fs = -2048.0 Hz", "above 0"]),
@@ -333,6 +337,17 @@ def test_what_compare_refuses_diagnose_leaves_out_and_says(tmp_path, case):
     assert lenient.sensors == rest
     assert any(words[0] in finding for finding in lenient.findings)
     assert read_record(path, a_rig(), without=out).sensors == rest
+
+
+def test_what_is_left_out_already_is_named_again(tmp_path):
+    with pytest.raises(InputError, match=r"no channel for P1; .*leave out with --without P3 --without P1$"):
+        read_record(npz(P1=None)(tmp_path), a_rig(), without=["P3"])
+
+
+def test_a_record_without_any_sensor_alive_is_not_told_to_leave_all_out(tmp_path):
+    dead = {name: np.zeros(600) for name, *_ in SENSORS}
+    with pytest.raises(InputError, match=r"P4 is dead.*; mend the records, or take each by itself"):
+        read_record(npz(**dead)(tmp_path), a_rig())
 
 
 def test_a_dead_excitation_is_an_error_for_compare_and_a_finding_for_diagnose(tmp_path):

@@ -4,7 +4,7 @@ from a_rig_and_its_records import a_rig, csv_lines, sensors
 from models.errors import InputError
 from testbed.records.read import read_record
 from testbed.records.recording import Tag
-from testbed.records.units import Measured, quantity_of, seconds, si_factor
+from testbed.records.units import Measured, check_sensitivities, quantity_of, seconds, si_factor
 
 # Factors by definition: g = 9.80665 m/s^2, lb = 0.45359237 kg, inch = 0.0254 m.
 KNOWN = [
@@ -116,3 +116,23 @@ def test_time_has_a_unit_of_time():
     assert seconds(None, "a.csv") == 1
     with pytest.raises(InputError, match=r'a\.csv: time in "m"'):
         seconds("m", "a.csv")
+
+
+@pytest.mark.parametrize(
+    ("quantity", "sensitivity", "message"),
+    [
+        ("acceleration", "100 mV/N", r'P1: sensitivity = "100 mV/N"; P1 measures an acceleration, .* per g or a unit'),
+        ("velocity", "100 mV/g", r"P1 measures a velocity, so its sensitivity is per m/s or a unit like it; correct"),
+        ("acceleration", "100 mV/bananas", r'sensitivity = "100 mV/bananas"; .*two known units'),
+    ],
+)
+def test_a_sensitivity_of_another_quantity_is_refused_whether_it_is_needed_or_not(quantity, sensitivity, message):
+    with pytest.raises(InputError, match=message):
+        check_sensitivities(a_rig(sensors=sensors(quantity=quantity, sensitivity=sensitivity)))
+
+
+def test_sensitivities_of_the_right_quantity_are_fine():
+    excitation = {"name": "shaker", "node": 100, "position": 1.3, "sensitivity": "2 mV/N"}
+    check_sensitivities(a_rig(sensors=sensors(sensitivity="100 mV/g"), excitation=excitation))
+    shaken = {"name": "base", "quantity": "base_acceleration", "sensitivity": "100 mV/g"}
+    check_sensitivities(a_rig(excitation=shaken))

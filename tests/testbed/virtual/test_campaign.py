@@ -60,6 +60,24 @@ def test_a_roving_hammer_goes_from_place_to_place():
     assert [(run.name, run.trial.position) for run in runs] == [("hammer_at_300mm", 0.3), ("hammer_at_900mm", 0.9)]
 
 
+def test_places_that_are_close_are_records_of_their_own():
+    runs = planned(kind="roving_hammer", positions=(0.3001, 0.3004))
+    assert [run.name for run in runs] == ["hammer_at_300.1mm", "hammer_at_300.4mm"]
+
+
+@pytest.mark.parametrize(
+    "excitation",
+    [
+        {"kind": "multisine", "rms": (10.0, 10.0)},
+        {"kind": "multisine", "rms": (10.0, 10.0000001), "realisations": 2},
+        {"kind": "roving_hammer", "positions": (0.3, 0.9, 0.3)},
+    ],
+)
+def test_two_runs_of_one_name_are_refused(excitation):
+    with pytest.raises(InputError, match=r"excitation: 2 runs are called .*; each run .*; give each level of rms and"):
+        planned(**excitation)
+
+
 def test_a_release_and_a_decay_have_no_excitation_channel():
     (release,) = planned(kind="release", position=1.2, force=-30.0, duration=1.0)
     assert (release.driven, release.trial.hold.force, np.any(release.trial.excitation)) == (False, -30.0, False)
