@@ -344,12 +344,6 @@ def test_what_is_left_out_already_is_named_again(tmp_path):
         read_record(npz(P1=None)(tmp_path), a_rig(), without=["P3"])
 
 
-def test_a_record_without_any_sensor_alive_is_not_told_to_leave_all_out(tmp_path):
-    dead = {name: np.zeros(600) for name, *_ in SENSORS}
-    with pytest.raises(InputError, match=r"P4 is dead.*; mend the records, or take each by itself"):
-        read_record(npz(**dead)(tmp_path), a_rig())
-
-
 def test_a_dead_excitation_is_an_error_for_compare_and_a_finding_for_diagnose(tmp_path):
     path = npz(shaker=np.zeros(600))(tmp_path)
     with pytest.raises(InputError, match=r"the excitation shaker is dead: 0 throughout.*--without shaker"):
