@@ -32,6 +32,11 @@ noise, or reaches it."""
 LATER_SHARE = 0.6
 """The same for further effects, unless they reach the noise: what is left may be a shape that no simple law has."""
 
+FAINT, NEARLY_ALL = 1.04, 0.8
+"""Residual over noise, reached with an effect, from which on another is looked for beside it, and the share of what is
+left that it must take away: records that repeat know their noise to a hundredth or two, others to a tenth, but no
+effect takes away what the noise was told wrongly by, or what two ways to compute the same rig differ by."""
+
 EXPLAINED_NEAR, EXPLAINED_FAR = 0.9, 0.97
 """Share of the squared misfit beyond the noise that the effects must take away where the noise is not reached: a law
 outside the library finds an imitation in it that takes away most, the right one leaves what all models miss."""
@@ -55,6 +60,11 @@ def is_enough(session: Session, result: Fit) -> bool:
     return reached and (bool(result.hypothesis.effects) or not session.left_tolerance(result))
 
 
+def is_explained(session: Session, result: Fit) -> bool:
+    """It is enough, and beside its effects so little more than the noise is left that no other is looked for."""
+    return is_enough(session, result) and not (result.hypothesis.effects and result.ratio > FAINT)
+
+
 def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | None:
     """The fit with the best effect, refined, if it explains enough."""
     if not ranked:
@@ -65,7 +75,9 @@ def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
     share = takes_away(base, best.fit)
     name = best.effect.label()
     least = LATER_SHARE if base.hypothesis.effects and best.fit.ratio > NOISE_NEAR else LEAST_SHARE
-    little = share < least and not reaches_noise(session.fitting, base)
+    if base.hypothesis.effects and is_enough(session, base):
+        least = NEARLY_ALL
+    little = share < least and (bool(base.hypothesis.effects) or not reaches_noise(session.fitting, base))
     if odds < LEAST_EVIDENCE or little:
         why = f"takes away only {share:.0%} of the misfit" if little else "the records hardly speak for it"
         session.decide(f"{name} is the best of the library, but {why}: not added")
@@ -152,7 +164,8 @@ def explains_as_much(session: Session, less: Fit, found: Fit) -> bool:
         less: the fit of the model with fewer effects.
         found: of the one with more.
     """
-    return is_enough(session, less) or comes_as_near(less, found)
+    enough = is_explained(session, less) or (is_enough(session, less) and takes_away(less, found) < NEARLY_ALL)
+    return enough or comes_as_near(less, found)
 
 
 def comes_as_near(less: Fit, found: Fit) -> bool:

@@ -6,7 +6,15 @@ from time import perf_counter
 
 import numpy as np
 
-from identification.acceptance import accepted, fit_without, in_doubt, is_enough, pruned, verdict_of
+from identification.acceptance import (
+    accepted,
+    fit_without,
+    in_doubt,
+    is_enough,
+    is_explained,
+    pruned,
+    verdict_of,
+)
 from identification.alone import one_alone
 from identification.anew import looked_for_anew
 from identification.assess import with_starts
@@ -93,7 +101,7 @@ def diagnose(
     for _ in range(MOST_ROUNDS):
         if is_enough(session, chain[-1]) and session.lengthen(chain[-1]):
             chain, rounds = everything_again(session, chain, rounds)
-        if len(chain[-1].hypothesis.effects) >= most_effects or is_enough(session, chain[-1]):
+        if len(chain[-1].hypothesis.effects) >= most_effects or is_explained(session, chain[-1]):
             break
         ranked, better = look_round(session, chain[-1])
         beginnings = beginnings_of(session, ranked)

@@ -30,6 +30,10 @@ REALISATIONS = 32
 LARGEST_CORRECTION = 0.5
 """Of an unknown, in its own coordinate; a larger one is no correction."""
 
+CONTRACTION = 0.5
+"""Length of the second step over the first, in standard deviations, from which on the corrections lead nowhere: in a
+curved valley that a fit has not followed to its end, the slopes are not those of where the first step leads."""
+
 BIASES, DISAGREEING = 3, 0.4
 """Realisations by which a bias is told, and the share of it by which they may scatter."""
 
@@ -78,18 +82,20 @@ def finer(evaluator: Evaluator, hypothesis: Hypothesis) -> Evaluator:
 
 
 def _finely(evaluator: Evaluator, found: Fit) -> Fit:
-    """The fit moved by what a finer model leaves."""
+    """The fit moved by what a finer model leaves; where that leads nowhere, the fit."""
     fine = finer(evaluator, found.hypothesis)
-    prior = prior_of(found.unknowns)
-    hypothesis = found.hypothesis
+    prior, information = prior_of(found.unknowns), np.linalg.pinv(found.covariance, hermitian=True)
+    hypothesis, longest, least = found.hypothesis, np.inf, np.inf
     for _ in range(CORRECTIONS):
         residual = fine.residuals([(hypothesis, None)])[0]
         if residual is None:
             return found
         x = coordinates(hypothesis, found.unknowns)
         step = -found.covariance @ (found.jacobian @ residual + prior * x)
-        if np.abs(step).max(initial=0.0) > LARGEST_CORRECTION:
+        cost, length = float(residual @ residual + prior @ x**2), float(np.sqrt(step @ information @ step))
+        if np.abs(step).max(initial=0.0) > LARGEST_CORRECTION or cost > least or length > longest:
             return found
+        least, longest = cost, max(CONTRACTION * length, CONVERGED)
         hypothesis = at_coordinates(hypothesis, found.unknowns, x + step)
     residual = evaluator.residuals([(hypothesis, None)])[0]
     if residual is None:
@@ -97,6 +103,10 @@ def _finely(evaluator: Evaluator, found: Fit) -> Fit:
     x = coordinates(hypothesis, found.unknowns)
     chi2 = float(residual @ residual)
     return replace(found, hypothesis=hypothesis, residual=residual, chi2=chi2, penalty=float(prior @ x**2))
+
+
+CONVERGED = 0.1
+"""Standard deviations within which a second step need not be shorter than the first."""
 
 
 def _unbiased(

@@ -10,7 +10,7 @@ from identification.assess import score
 from identification.calibrate import strained, unknowns_of
 from identification.consistency.find import pushed_out
 from identification.evaluate import Evaluator, Target, TimeTarget, carry_noise
-from identification.fit import Fit, fit
+from identification.fit import Fit, fit, fit_to_its_end
 from identification.hypothesis import Hypothesis, effect_unknowns
 from identification.prepare import LEAST_TORN, Horizon, cut_to, horizons, resolved
 from identification.progress import Progress
@@ -21,7 +21,7 @@ from models.rig import Rig
 from models.simulate import Settings
 
 LAST_ITERATIONS = 6
-"""Of the fit of everything."""
+"""Of the fit of everything, before it is asked whether it goes on."""
 
 SEARCH_SHARE = 0.25
 """Share of what the model leaves that coarse steps are weighed against in the search, as the noise is in the fits."""
@@ -125,7 +125,7 @@ class Session:
         whole = self.all_predicted
         unknowns = (*unknowns_of(hypothesis, whole), *effect_unknowns(hypothesis))
         self.progress(f"fit on all {whole.extent}")
-        return fit(whole, hypothesis, unknowns, max_iterations=LAST_ITERATIONS, tolerance=0.0, precise=True)
+        return fit_to_its_end(whole, hypothesis, unknowns, LAST_ITERATIONS)
 
     def left_tolerance(self, calibrated: Fit) -> bool:
         """Whether a number had to leave its tolerance, further than the noise of the measured force explains.

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from trial_records import REFERENCE, evaluator_of, measured, moved, multisine, oscillator, sweep
 
-from identification.fit import LEAST_ACTING, _least_change, fit
+from identification.fit import LEAST_ACTING, _least_change, fit, fit_to_its_end
 from identification.hypothesis import (
     Hypothesis,
     OffsetUnknown,
@@ -157,6 +157,27 @@ def test_a_far_minimum_is_reached_in_bounded_steps():
     assert ended.hypothesis.values["a"] == pytest.approx(7.0, abs=1e-4)
     assert begun.unfinished == pytest.approx(1.0 - 9.0 / 25.0)  # a step of 2 of the 5 that are left
     assert ended.unfinished < 1e-6
+
+
+def test_a_fit_that_stops_before_its_end_goes_on():
+    unknowns = (Number("a"),)
+    problem = Linear(np.full((5, 1), 100.0), np.full(5, 700.0), unknowns)
+
+    found = fit_to_its_end(problem, NOWHERE, unknowns, 1)
+
+    assert found.hypothesis.values["a"] == pytest.approx(7.0, abs=1e-4)
+
+
+def test_a_fit_that_brings_nothing_is_not_repeated():
+    """What no parameter explains stays, whatever is asked."""
+    unknowns = (Number("a"),)
+    problem = Linear(np.full((5, 1), 100.0), np.array([700.0, 300.0, 500.0, 500.0, 500.0]), unknowns)
+
+    fit(problem, NOWHERE, unknowns, max_iterations=6, tolerance=0.0, precise=True)
+    asked = problem.n_asked
+    fit_to_its_end(problem, NOWHERE, unknowns, 6)
+
+    assert problem.n_asked == 2 * asked
 
 
 @pytest.mark.parametrize("at_start", [0.0, 0.1], ids=["inside", "at the bound"])

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from trial_records import REFERENCE, evaluator_of, measured, moved, multisine, oscillator, sweep
 
 from identification.evaluate import carry_noise
@@ -64,6 +65,22 @@ def test_coarse_steps_leave_no_trace_in_the_numbers():
 
     assert np.abs(pulls(plain, truth)).max() > 5.0
     assert np.abs(pulls(found, truth)).max() < 4.0
+
+
+@pytest.mark.parametrize("share", [0.3, 3.0], ids=["too flat", "too steep"])
+def test_slopes_that_are_not_those_of_the_valley_move_nothing_away(share):
+    """Where they are too flat, each correction goes farther wrong than the one before; where too steep, it goes on."""
+    truth = moved(oscillator(), 0.5, -0.5, 0.5)
+    record, noise = measured(truth, sweep(4096, high=600.0), noise=2e-5, settings=Settings(steps_per_sample=32))
+    coarse = evaluator_of((record, noise), settings=Settings(steps_per_sample=1))
+    plain = fit(coarse, truth, rig_unknowns(truth.rig), tolerance=0.0)
+    wrong = replace(plain, jacobian=share * plain.jacobian, covariance=plain.covariance / share**2)
+
+    found = corrected(coarse, wrong, np.random.default_rng(0))
+
+    fine = coarse.with_settings(Settings(steps_per_sample=32))
+    (before,), (after,) = (fine.residuals([(each.hypothesis, None)]) for each in (plain, found))
+    assert after @ after <= before @ before
 
 
 def test_without_noise_of_the_excitation_the_intervals_are_the_fits_or_what_the_parts_scatter():
