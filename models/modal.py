@@ -215,6 +215,7 @@ def _oscillator(plant: Plant, ports: tuple[Port, ...]) -> ModalModel:
         stiffness += spring * np.outer(stretch, stretch)
         damping += dashpot * np.outer(stretch, stretch)
     square, modes = eigh(stiffness, np.diag(inertia))
+    modes = upwards(modes, first)
     flexibility = 1.0 / held if held > 0.0 else 0.0
     sag = np.full(len(ports), -inertia.sum() * structure.gravity * flexibility)
     return ModalModel(
@@ -238,9 +239,10 @@ def _reduce(matrices: BeamMatrices, kept: int, loads: tuple[Load, ...]) -> tuple
     """(n_ritz, n) mass-normalised modes and (n,) squared frequencies: the lowest ``kept``, then the residual shapes.
 
     The residual shapes are the static deflections under loads at the ports less what the kept modes give; the reduced
-    eigenvalue problem keeps the flexibility there exact.
+    eigenvalue problem keeps the flexibility there exact. A mode moves the free end upwards.
     """
     square, phi = natural_modes(matrices.stiffness, matrices.mass)
+    phi = upwards(phi, matrices.row(matrices.structure.length))
     if not loads:
         return phi[:, :kept], square[:kept]
     rows = np.stack([matrices.row(*load) for load in loads])
@@ -252,6 +254,18 @@ def _reduce(matrices: BeamMatrices, kept: int, loads: tuple[Load, ...]) -> tuple
     inertia, direction = eigh(residual.T @ matrices.mass @ residual)
     residual = residual @ (direction / np.sqrt(inertia))
     return np.hstack([phi[:, :kept], residual]), np.concatenate([square[:kept], 1.0 / inertia])
+
+
+def upwards(modes: FloatArray, row: FloatArray) -> FloatArray:
+    """The modes with the sign by which they move upwards where a row sees them: an eigenvector may have either.
+
+    Without it a state, told mode by mode, would be another as soon as a number, an effect or the resolution changes.
+
+    Args:
+        modes: (n, n_modes) in the columns.
+        row: (n,) displacement by the coordinates of the columns.
+    """
+    return modes * np.where(row @ modes < 0.0, -1.0, 1.0)
 
 
 def _tidy(matrix: FloatArray) -> FloatArray:

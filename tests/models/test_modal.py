@@ -56,6 +56,23 @@ def test_the_dynamic_modes_are_the_beams_whatever_is_appended():
     assert model.omega[8:].min() > model.omega[7]
 
 
+@pytest.mark.parametrize("n_modes", [4, 12, 48])
+@pytest.mark.parametrize("extra", [(), (EFFECTS["point_mass"](Place(position=0.7), 0.4),)], ids=["bare", "loaded"])
+def test_every_mode_moves_the_free_end_upwards(n_modes, extra):
+    """So that a state of some modes is the same in another number of them and beside an effect."""
+    for length in (0.95, 1.2, LENGTH):
+        rig = REFERENCE.model_copy(
+            update={
+                "structure": REFERENCE.structure.model_copy(update={"length": length}),
+                "sleeves": (),
+                "sensors": (),
+            }
+        )
+        drive = Excitation(quantity="force", position=0.8)
+        model = build_modal(build_plant(rig.model_copy(update={"excitation": drive}), extra), 500.0, n_modes)
+        assert np.all(model.rows(length)[:n_modes] > 0.0)
+
+
 def test_rayleigh_damping_stays_diagonal_and_a_dashpot_couples():
     model = build_modal(build_plant(REFERENCE), BAND)
     np.testing.assert_allclose(np.diag(model.damping), 1.2 + 6e-6 * model.omega**2, rtol=1e-6)
