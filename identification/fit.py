@@ -67,7 +67,7 @@ class Fit:
         held = normal + NEAR_DAMPING * np.diag(np.diag(normal) + np.finfo(float).tiny)
         state = _State(self.hypothesis, x, self.residual, self.cost)
         step = _bounded(_free_step(state, self.unknowns, held, gradient))
-        return max(0.0, float(-2.0 * gradient @ step - step @ normal @ step)) / max(self.cost, LEAST_GAIN)
+        return max(0.0, _promise(gradient, normal, step)) / max(self.cost, LEAST_GAIN)
 
 
 def prior_of(unknowns: Sequence[Unknown]) -> FloatArray:
@@ -401,12 +401,18 @@ def _step(
             cost = float(residual @ residual + prior @ x**2)
             if cost < best.cost:
                 best = _State(trial, x, residual, cost)
-                promised = float(-2.0 * gradient @ step - step @ normal @ step)
-                chosen = factor
+                promised, chosen = _promise(gradient, normal, step), factor
         if best.cost < state.cost:
             return best, promised, float(np.clip(damping * chosen, 1e-9, 1e6))
+        if max(_promise(gradient, normal, step) for step in steps) < LEAST_GAIN:  # nothing is left to take
+            break
         damping = min(damping * 100.0, 1e6)
     return best, promised, damping
+
+
+def _promise(gradient: FloatArray, normal: FloatArray, step: FloatArray) -> float:
+    """By how much the cost would fall, were the model linear."""
+    return float(-2.0 * gradient @ step - step @ normal @ step)
 
 
 def _bent(

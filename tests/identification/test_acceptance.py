@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from trial_records import REFERENCE, evaluator_of, fit_of, measured, moved, multisine, oscillator
 
-from identification.acceptance import _refined, in_doubt, pruned, verdict_of
+from identification.acceptance import _refined, accepted, in_doubt, is_enough, is_explained, pruned, verdict_of
 from identification.established import NO_SIZE
 from identification.evaluate import unwhitened
+from identification.evidence import Ranked
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
+from identification.prepare import Horizon
 from identification.reached import missed
 from identification.rest_target import ModesTarget
 from models.effects import Place
@@ -251,6 +253,43 @@ def test_the_newest_makes_a_later_one_needless_too():
     assert index == 1
     assert [effect.place.position for effect in less.hypothesis.effects] == pytest.approx([0.7], abs=1e-3)
     assert "beside point_mass at 0.700 m the noise is reached without it" in session.decisions[-1]
+
+
+PATCH = PointMass(Place(position=1.3), mass=0.001)
+"""So light that without it little more than the noise is left."""
+
+
+def test_a_faint_effect_is_kept_where_it_takes_nearly_all_that_is_left_beside_another():
+    evaluator = evaluator_of(measured(Hypothesis(REFERENCE, effects=(MASS, PATCH)), multisine(8192, rms=2.0)))
+    session = Listener()
+    session.fitting = evaluator
+    base, less, found = (
+        fit(evaluator, hypothesis, (*rig_unknowns(REFERENCE), *effect_unknowns(hypothesis)))
+        for hypothesis in (Hypothesis(REFERENCE, effects=effects) for effects in ((), (MASS,), (MASS, PATCH)))
+    )
+    assert is_enough(session, less)
+    assert not is_explained(session, less)
+    assert is_explained(session, found)
+    assert not list(pruned(session, base, found, newest=0))
+
+
+@pytest.mark.parametrize(("share", "added"), [(0.95, True), (0.5, False)])
+def test_beside_an_effect_that_reaches_the_noise_another_must_take_nearly_all_that_is_left(share, added):
+    evaluator = evaluator_of(measured(Hypothesis(REFERENCE, effects=(MASS,)), multisine(2048, rms=2.0)))
+    session = Listener()
+    session.fitting = session.everything = evaluator
+    session.limits, session.holds = [Horizon("test", 1.0, 1.0)], lambda _: True
+    one, both = Hypothesis(REFERENCE, effects=(MASS,)), Hypothesis(REFERENCE, effects=(MASS, PATCH))
+    found = fit(evaluator, both, (*rig_unknowns(REFERENCE), *effect_unknowns(both)), max_iterations=0)
+    found = replace(found, chi2=float(found.n_data), penalty=0.0)
+    base = fit(evaluator, one, (*rig_unknowns(REFERENCE), *effect_unknowns(one)), max_iterations=0)
+    base = replace(base, chi2=1.1**2 * base.n_data, penalty=0.0)
+    left = replace(found, chi2=base.n_data + (1.0 - share) * (base.chi2 - base.n_data))
+
+    chosen = accepted(session, base, [Ranked.of(left)])
+
+    assert (chosen is not None) == added
+    assert added or "takes away only 50% of the misfit: not added" in session.decisions[-1]
 
 
 @pytest.mark.parametrize(("both", "kept"), [(True, True), (False, False)], ids=["in every record", "in one record"])
