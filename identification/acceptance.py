@@ -34,8 +34,8 @@ LATER_SHARE = 0.6
 
 FAINT, NEARLY_ALL = 1.04, 0.8
 """Residual over noise, reached with an effect, from which on another is looked for beside it, and the share of what is
-left that it must take away: records that repeat know their noise to a hundredth or two, others to a tenth, but no
-effect takes away what the noise was told wrongly by, or what two ways to compute the same rig differ by."""
+left that it must take away: records that repeat know their noise to a hundredth or two, others to a tenth, but hardly
+any effect takes away what the noise was told wrongly by, or what two ways to compute the same rig differ by."""
 
 EXPLAINED_NEAR, EXPLAINED_FAR = 0.9, 0.97
 """Share of the squared misfit beyond the noise that the effects must take away where the noise is not reached: a law
@@ -90,7 +90,7 @@ def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
         return None
     unseen = _passing(session, base, best)
     if unseen is not None:
-        session.is_passing = unseen.before <= NOISE_DOUBTED
+        session.is_passing = not base.hypothesis.effects and unseen.before <= NOISE_DOUBTED
         session.decide(
             f"{name} takes the residual from {base.ratio:.2f} to {best.fit.ratio:.2f} times the noise where it was "
             f"fitted, but from {unseen.before:.2f} to {unseen.after:.2f} times in the rest of the same records: not "
@@ -157,7 +157,7 @@ def pruned(session: Session, calibrated: Fit, found: Fit, *, newest: int) -> lis
 
 
 def explains_as_much(session: Session, less: Fit, found: Fit) -> bool:
-    """Whether a model reaches the noise, or comes as near to it as another with an effect more.
+    """Whether a model comes as near to the noise as another with an effect more, or reaches it and the other no better.
 
     Args:
         session: with the records.

@@ -113,9 +113,9 @@ def suspicion(evaluator: Evaluator, there: Fit) -> Suspicion:
     """
     if not evaluator.timed or evaluator.at_rest:
         return NO_SUSPICION
-    of_all = _of_force(evaluator, there) or _in_lines(evaluator, there)
-    if of_all:
-        return of_all
+    shared = _of_force(evaluator, there) or _in_lines(evaluator, there)
+    if shared:
+        return shared
     there_are = {name for target in evaluator.timed for name in target.record.sensors}
     names = [sensor.name for sensor in there.hypothesis.rig.sensors if sensor.name in there_are]
     if len(names) < LEAST_SENSORS:
@@ -221,7 +221,14 @@ def _of_force(evaluator: Evaluator, base: Fit) -> Suspicion:
 
     Beside the numbers as given: a force that is wrong pulls them to where hardly anything is alike.
     """
-    pairs = zip(evaluator.timed, evaluator.responses(afresh(base.hypothesis)), strict=True)
+    excitation = base.hypothesis.rig.excitation
+    if excitation is None or excitation.quantity != "force":
+        return NO_SUSPICION
+    try:
+        responses = evaluator.responses(afresh(base.hypothesis))
+    except ArithmeticError:
+        return NO_SUSPICION
+    pairs = zip(evaluator.timed, responses, strict=True)
     driven = [(t.record, r.channels[:, : t.record.n_samples]) for t, r in pairs if t.record.excitation is not None]
     seen = [off_by(record.responses, model) for record, model in driven]
     return Suspicion(of_force=True, words=f"{driven[0][0].name}: {seen[0]}") if seen and all(seen) else NO_SUSPICION

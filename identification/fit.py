@@ -61,13 +61,27 @@ class Fit:
     @property
     def unfinished(self) -> float:
         """Share of the cost that a step more would take away, were the model linear there: next to 0 at a minimum."""
-        prior, x = prior_of(self.unknowns), coordinates(self.hypothesis, self.unknowns)
-        gradient = self.jacobian @ self.residual + prior * x
-        normal = self.jacobian @ self.jacobian.T + np.diag(prior)
-        held = normal + NEAR_DAMPING * np.diag(np.diag(normal) + np.finfo(float).tiny)
-        state = _State(self.hypothesis, x, self.residual, self.cost)
-        step = _bounded(_free_step(state, self.unknowns, held, gradient))
-        return max(0.0, _promise(gradient, normal, step)) / max(self.cost, LEAST_GAIN)
+        _, promise = newton_step(self.hypothesis, self.unknowns, self.jacobian, self.residual)
+        return promise / max(self.cost, LEAST_GAIN)
+
+
+def newton_step(
+    hypothesis: Hypothesis, unknowns: Sequence[Unknown], jacobian: FloatArray, residual: FloatArray
+) -> tuple[FloatArray, float]:
+    """(n_unknowns,) step to where a linear model has its minimum, within bounds, and by how much the cost would fall.
+
+    Args:
+        hypothesis: where it begins.
+        unknowns: what may move.
+        jacobian: (n_unknowns, n_data) slopes there.
+        residual: (n_data,) there.
+    """
+    prior, x = prior_of(unknowns), coordinates(hypothesis, unknowns)
+    gradient = jacobian @ residual + prior * x
+    normal = jacobian @ jacobian.T + np.diag(prior)
+    held = normal + NEAR_DAMPING * np.diag(np.diag(normal) + np.finfo(float).tiny)
+    step = _bounded(_free_step(_State(hypothesis, x, residual, 0.0), tuple(unknowns), held, gradient))
+    return step, max(0.0, _promise(gradient, normal, step))
 
 
 def prior_of(unknowns: Sequence[Unknown]) -> FloatArray:
@@ -169,22 +183,22 @@ def fit_to_its_end(evaluator: Evaluator, hypothesis: Hypothesis, unknowns: Seque
     Raises:
         ArithmeticError: the start itself diverges.
     """
-    wanted = np.inf
+    largest = np.inf
     for _ in range(MOST_RUNS):
         found = fit(evaluator, hypothesis, unknowns, max_iterations=iterations, tolerance=0.0, precise=True)
         promised = found.unfinished * found.cost
-        if promised < NO_FARTHER or found.cost > wanted:
+        if promised < NO_FARTHER * max(1.0, found.ratio**2) or found.cost > largest:
             break
-        hypothesis, wanted = found.hypothesis, found.cost - KEPT * promised
+        hypothesis, largest = found.hypothesis, found.cost - KEPT * promised
     return found
 
 
 MOST_RUNS = 4
 
 NO_FARTHER, KEPT = 4.0, 0.1
-"""Decrease of chi-square that a step more promises, two standard deviations' worth, from which a fit goes on, and the
-share of the last promise that each run must have kept: six iterations on 40 s of records stopped 50 standard deviations
-before the end of a valley."""
+"""Decrease of chi-square that a step more promises, two standard deviations' worth of what is left, from which a fit
+goes on, and the share of the last promise that each run must have kept: six iterations on 40 s of records stopped 50
+standard deviations before the end of a valley."""
 
 
 def inverse_of(normal: FloatArray) -> FloatArray:
@@ -382,7 +396,7 @@ def _step(
     *,
     bent: bool,
 ) -> tuple[_State, float, float]:
-    """The best of a few damped steps, the decrease that the linear model promised, and the next damping."""
+    """The best of a few damped steps, bent or straight; the decrease that a linear model promised; the next damping."""
     gradient = rows @ state.residual + prior * state.x
     normal = rows @ rows.T + np.diag(prior)
     size = np.maximum(np.diag(normal), 1e-12 * np.max(np.diag(normal), initial=1e-300))
@@ -425,20 +439,22 @@ def _bent(
 ) -> list[FloatArray]:
     """The steps bent along the valley: to second order, from the residual's second derivative along each of them.
 
-    A step whose bend is no small part of it is left straight. Source: M. K. Transtrum and J. P. Sethna, Improvements to
-    the Levenberg-Marquardt algorithm for nonlinear least-squares minimization, arXiv:1201.5885 (2012), eq. 25 to 28.
+    A step whose bend is no small part of it, or that a bound stops, is left straight. Source: M. K. Transtrum and J. P.
+    Sethna, Improvements to the Levenberg-Marquardt algorithm for nonlinear least-squares minimization, arXiv:1201.5885
+    (2012), eq. 25 to 28.
     """
     probes = [at_coordinates(state.hypothesis, unknowns, state.x + PROBED * step) for step in steps]
     bent: list[FloatArray] = []
-    for normal, step, probe in zip(held, steps, evaluator.residuals([(each, None) for each in probes]), strict=True):
+    seen = evaluator.residuals([(each, None) for each in probes])
+    for normal, step, probe, residual in zip(held, steps, probes, seen, strict=True):
         way, moves = step.copy(), np.flatnonzero(step)
-        if probe is not None and len(moves):
-            second = 2.0 / PROBED * ((probe - state.residual) / PROBED - step @ rows)
+        if residual is not None and len(moves) and np.allclose(coordinates(probe, unknowns) - state.x, PROBED * step):
+            second = 2.0 / PROBED * ((residual - state.residual) / PROBED - step @ rows)
             bend = -np.linalg.solve(normal[np.ix_(moves, moves)], rows[moves] @ second)
             size = np.diag(normal)[moves]
             if 2.0 * np.sqrt(bend**2 @ size) <= LARGEST_BEND * np.sqrt(step[moves] ** 2 @ size):
                 way[moves] += 0.5 * bend
-        bent.append(way)
+        bent.append(_bounded(way))
     return bent
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from scipy import fft
 
 from identification.evaluate import Evaluator, Target, TimeTarget, shaken, whitened
-from identification.fit import Fit, fit, prior_of
+from identification.fit import Fit, fit, newton_step, prior_of
 from identification.hypothesis import Hypothesis, at_coordinates, coordinates
 from identification.scatter import widening
 from models.arrays import FloatArray
@@ -82,27 +82,31 @@ def finer(evaluator: Evaluator, hypothesis: Hypothesis) -> Evaluator:
 
 
 def _finely(evaluator: Evaluator, found: Fit) -> Fit:
-    """The fit moved by what a finer model leaves; where that leads nowhere, the fit."""
+    """The fit moved by what a finer model leaves, as far as that leads somewhere."""
     fine = finer(evaluator, found.hypothesis)
-    prior, information = prior_of(found.unknowns), np.linalg.pinv(found.covariance, hermitian=True)
-    hypothesis, longest, least = found.hypothesis, np.inf, np.inf
+    hypothesis, kept, longest, least = found.hypothesis, found.hypothesis, np.inf, np.inf
+    prior = prior_of(found.unknowns)
     for _ in range(CORRECTIONS):
         residual = fine.residuals([(hypothesis, None)])[0]
-        if residual is None:
-            return found
         x = coordinates(hypothesis, found.unknowns)
-        step = -found.covariance @ (found.jacobian @ residual + prior * x)
-        cost, length = float(residual @ residual + prior @ x**2), float(np.sqrt(step @ information @ step))
-        if np.abs(step).max(initial=0.0) > LARGEST_CORRECTION or cost > least or length > longest:
-            return found
-        least, longest = cost, max(CONTRACTION * length, CONVERGED)
+        cost = np.inf if residual is None else float(residual @ residual + prior @ x**2)
+        if residual is None or cost > least:
+            break
+        kept, least = hypothesis, cost
+        step, promise = newton_step(hypothesis, found.unknowns, found.jacobian, residual)
+        if np.abs(step).max(initial=0.0) > LARGEST_CORRECTION or np.sqrt(promise) > longest:
+            break
+        longest = max(CONTRACTION * np.sqrt(promise), CONVERGED)
         hypothesis = at_coordinates(hypothesis, found.unknowns, x + step)
-    residual = evaluator.residuals([(hypothesis, None)])[0]
+    else:
+        kept = hypothesis
+    residual = None if kept is found.hypothesis else evaluator.residuals([(kept, None)])[0]
     if residual is None:
         return found
-    x = coordinates(hypothesis, found.unknowns)
-    chi2 = float(residual @ residual)
-    return replace(found, hypothesis=hypothesis, residual=residual, chi2=chi2, penalty=float(prior @ x**2))
+    x = coordinates(kept, found.unknowns)
+    return replace(
+        found, hypothesis=kept, residual=residual, chi2=float(residual @ residual), penalty=float(prior @ x**2)
+    )
 
 
 CONVERGED = 0.1

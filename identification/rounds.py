@@ -41,7 +41,8 @@ def look_round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
         faults = replace(first, registry=suspected.kinds(instant), channels=suspected.channels)
         ranked = carried_through(session, judge([faults], session.fitting, base, session.progress))
         first = replace(first, channels=suspected.beside(base.hypothesis.rig))
-    if not (ranked and ranked[0].fit.ratio <= NOISE_REACHED):
+    # One mode that is damped less is louder in all channels, too: a force is held against all physics.
+    if suspected.of_force or not (ranked and ranked[0].fit.ratio <= NOISE_REACHED):
         views = [_where_it_shows(session, searching, base, first)]
         if lasting:
             views.append(_view(session, searching, base, lasting, TIME_SECONDS, 1))

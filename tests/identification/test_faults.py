@@ -16,6 +16,7 @@ from identification.hypothesis import Hypothesis, with_own_number
 from identification.reached import NOISE_REACHED
 from identification.relearning import carried_through
 from identification.session import Session
+from identification.together import off_by
 from models.effects import EFFECTS, Place
 from models.effects.base_motion import BaseMotion
 from models.effects.coulomb_friction import CoulombFriction
@@ -27,6 +28,7 @@ from models.effects.sensor_gain import SensorGain
 from models.effects.sensor_position import SensorPosition
 from models.effects.sensor_swap import SensorSwap
 from models.linear import natural_modes
+from models.rig import Excitation
 
 P3 = REFERENCE.sensor("P3")
 ON_P3 = Place(sensor="P3")
@@ -72,6 +74,18 @@ def test_a_force_that_makes_all_channels_contradict_the_model_alike_is_suspected
     seen = looked_at(ForceGain(Place(), gain=gain))
     assert set(seen.kinds(EFFECTS)) == {"force_gain"}
     assert "all 8 channels are" in seen.words
+
+
+def test_where_the_base_is_driven_no_force_is_suspected():
+    """Sensors in g on a shaker table: no gain of a force mends that."""
+    rig = REFERENCE.model_copy(update={"excitation": Excitation(quantity="base_acceleration")})
+    record, noise = measured(Hypothesis(rig), multisine(2048, 2, rms=2.0))
+    in_g = replace(record, responses=record.responses / 9.80665), replace(noise, sensors=noise.sensors / 9.80665)
+    evaluator, given = evaluator_of(in_g, rig=rig), Hypothesis(rig)
+    there = fit(evaluator, given, unknowns_of(given, evaluator), max_iterations=1)
+    assert off_by(in_g[0].responses, evaluator.responses(given)[0].channels)
+
+    assert not suspicion(evaluator, there).of_force
 
 
 @pytest.mark.parametrize(("one", "other"), [("P3", "P6"), ("P7", "P8")])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from trial_records import REFERENCE, evaluator_of, measured, moved, multisine, oscillator, sweep
 
-from identification.fit import LEAST_ACTING, _least_change, fit, fit_to_its_end
+from identification.fit import LEAST_ACTING, _bent, _least_change, _State, fit, fit_to_its_end
 from identification.hypothesis import (
     Hypothesis,
     OffsetUnknown,
@@ -161,11 +161,53 @@ def test_a_far_minimum_is_reached_in_bounded_steps():
 
 def test_a_fit_that_stops_before_its_end_goes_on():
     unknowns = (Number("a"),)
-    problem = Linear(np.full((5, 1), 100.0), np.full(5, 700.0), unknowns)
+    problem = Linear(np.full((50, 1), 100.0), np.full(50, 700.0), unknowns)
 
     found = fit_to_its_end(problem, NOWHERE, unknowns, 1)
 
     assert found.hypothesis.values["a"] == pytest.approx(7.0, abs=1e-4)
+
+
+class Valley(Linear):
+    """Residuals of a parabola's floor that is a hundred times as steep across as along it."""
+
+    def __init__(self, unknowns):
+        super().__init__(np.zeros((3, 2)), np.zeros(3), unknowns)
+
+    def residuals(self, hypotheses):
+        rows = []
+        for hypothesis, _ in hypotheses:
+            self.n_asked += 1
+            x, y = (unknown.get(hypothesis) for unknown in self.unknowns)
+            rows.append(np.array([3e3 * (y - x**2), 30.0 * (1.0 - x), 0.0]))
+        return rows
+
+
+@pytest.mark.parametrize("bend", [True, False])
+def test_a_step_that_is_bent_follows_a_curved_valley(bend, monkeypatch):
+    if not bend:
+        monkeypatch.setattr("identification.fit.LARGEST_BEND", 0.0)
+    unknowns = (Number("a"), Number("b"))
+    start = replace(NOWHERE, values={"a": -1.2, "b": 1.44})
+
+    found = fit(Valley(unknowns), start, unknowns, max_iterations=60, tolerance=0.0, precise=True)
+
+    assert (found.cost < 1e-3) == bend
+
+
+def test_a_bend_is_half_the_answer_to_the_second_derivative():
+    unknowns = (Number("a"), Number("b"))
+    problem, start = Valley(unknowns), replace(NOWHERE, values={"a": -1.2, "b": 1.44})
+    rows = fit(problem, start, unknowns, max_iterations=0).jacobian
+    (residual,) = problem.residuals([(start, None)])
+    state = _State(start, np.array([-1.2, 1.44]), residual, float(residual @ residual))
+    normal, step = rows @ rows.T + np.eye(2), np.array([0.02, -0.048])
+
+    (bent,) = _bent(problem, state, unknowns, rows, [normal], [step])
+
+    second = np.array([-2.0 * 3e3 * step[0] ** 2, 0.0, 0.0])  # of 3e3 (y - x^2) along the step, twice
+    expected = step - 0.5 * np.linalg.solve(normal, rows @ second)
+    np.testing.assert_allclose(bent, expected, rtol=0.02, atol=1e-6)
 
 
 def test_a_fit_that_brings_nothing_is_not_repeated():

@@ -66,6 +66,19 @@ def test_an_event_that_passes_is_not_explained_by_a_law():
     assert "as long as a test lasts" in session.decisions[-1]
 
 
+def test_an_event_beside_an_effect_says_nothing_of_the_model_without_it():
+    """That model may be far from the records, and must not be called complete but for the event."""
+    session = session_on(Hypothesis(RIG), passing=BENT)
+    base, found, _ = fits_on(session)
+    slight = QuadraticStiffness(Place(), stiffness=1e-3)
+    beside = replace(base, hypothesis=base.hypothesis.with_effects(slight))
+    both = replace(found, hypothesis=replace(found.hypothesis, effects=(slight, *BENT.effects)))
+
+    assert accepted(session, beside, with_evidence([Ranked.of(both)])) is None
+    assert "as long as a test lasts" in session.decisions[-1]
+    assert not session.is_passing
+
+
 def test_what_was_fitted_whole_has_no_rest():
     session = session_on(BENT)
     whole = replace(session, fitting=session.everything)
