@@ -239,10 +239,10 @@ def _reduce(matrices: BeamMatrices, kept: int, loads: tuple[Load, ...]) -> tuple
     """(n_ritz, n) mass-normalised modes and (n,) squared frequencies: the lowest ``kept``, then the residual shapes.
 
     The residual shapes are the static deflections under loads at the ports less what the kept modes give; the reduced
-    eigenvalue problem keeps the flexibility there exact. A mode moves the free end upwards.
+    eigenvalue problem keeps the flexibility there exact. A mode bends upwards at the clamp.
     """
     square, phi = natural_modes(matrices.stiffness, matrices.mass)
-    phi = upwards(phi, matrices.row(matrices.structure.length))
+    phi = upwards(phi, matrices.row(0.0, 2))
     if not loads:
         return phi[:, :kept], square[:kept]
     rows = np.stack([matrices.row(*load) for load in loads])
@@ -257,13 +257,13 @@ def _reduce(matrices: BeamMatrices, kept: int, loads: tuple[Load, ...]) -> tuple
 
 
 def upwards(modes: FloatArray, row: FloatArray) -> FloatArray:
-    """The modes with the sign by which they move upwards where a row sees them: an eigenvector may have either.
+    """The modes with the sign that a row sees as positive: an eigenvector may have either.
 
     Without it a state, told mode by mode, would be another as soon as a number, an effect or the resolution changes.
 
     Args:
         modes: (n, n_modes) in the columns.
-        row: (n,) displacement by the coordinates of the columns.
+        row: (n,) displacement or curvature somewhere by the coordinates of the columns.
     """
     return modes * np.where(row @ modes < 0.0, -1.0, 1.0)
 

@@ -119,7 +119,7 @@ def test_a_force_that_is_reversed_or_in_another_unit_is_found_and_told(gain):
     record, _ = measured(truth, gain * multisine(4096, 2, rms=5.0), name="loud")
     kept, _ = measured(truth, gain * multisine(2048, rms=3.0, seed=9), name="kept")
 
-    found = diagnose(REFERENCE, [record], [kept], jobs=2)
+    found = diagnose(REFERENCE, [record], [kept], registry=MEASUREMENT, jobs=2)
 
     (added,) = found.added
     assert added.effect.kind == "force_gain"
