@@ -75,7 +75,7 @@ def test_an_equivalent_mass_gives_a_dashpot(folder):
         (["sweep.csv"], "the excitation acts throughout; frequency and damping of the rig itself show while it moves"),
         (
             ["decay.csv", "--excitation", "x"],
-            "decay.csv: --excitation x: no channel has that name; its channels are shaker, P1",
+            "decay.csv: no channel 'x' for --excitation; its channels are shaker, P1",
         ),
         (["decay.csv", "--channel", "P9"], "no channel 'P9'; its channels are P1, P2, P3; name one of these"),
         (["decay.csv", "--from", "3", "--to", "2"], "a stretch from 3 to 2 s; it begins before it ends"),
