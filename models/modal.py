@@ -215,7 +215,7 @@ def _oscillator(plant: Plant, ports: tuple[Port, ...]) -> ModalModel:
         stiffness += spring * np.outer(stretch, stretch)
         damping += dashpot * np.outer(stretch, stretch)
     square, modes = eigh(stiffness, np.diag(inertia))
-    modes = upwards(modes, first)
+    modes = _upwards(modes, first)
     flexibility = 1.0 / held if held > 0.0 else 0.0
     sag = np.full(len(ports), -inertia.sum() * structure.gravity * flexibility)
     return ModalModel(
@@ -242,7 +242,7 @@ def _reduce(matrices: BeamMatrices, kept: int, loads: tuple[Load, ...]) -> tuple
     eigenvalue problem keeps the flexibility there exact. A mode bends upwards at the clamp.
     """
     square, phi = natural_modes(matrices.stiffness, matrices.mass)
-    phi = upwards(phi, matrices.row(0.0, 2))
+    phi = _upwards(phi, matrices.row(0.0, 2))
     if not loads:
         return phi[:, :kept], square[:kept]
     rows = np.stack([matrices.row(*load) for load in loads])
@@ -256,7 +256,7 @@ def _reduce(matrices: BeamMatrices, kept: int, loads: tuple[Load, ...]) -> tuple
     return np.hstack([phi[:, :kept], residual]), np.concatenate([square[:kept], 1.0 / inertia])
 
 
-def upwards(modes: FloatArray, row: FloatArray) -> FloatArray:
+def _upwards(modes: FloatArray, row: FloatArray) -> FloatArray:
     """The modes with the sign that a row sees as positive: an eigenvector may have either.
 
     Without it a state, told mode by mode, would be another as soon as a number, an effect or the resolution changes.

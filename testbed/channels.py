@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +12,7 @@ from models.record import Record
 from models.rig import Rig
 from testbed.records.dying import undying
 from testbed.records.formats import read_file
+from testbed.records.matching import not_left_out
 from testbed.records.read import read_record
 from testbed.records.recording import RawChannel, Recording
 from testbed.records.samples import checked, is_dead
@@ -135,12 +135,8 @@ def check_left_out(recordings: Sequence[Recording], without: Sequence[str]) -> N
     for name in without:
         if not any(_is_called(channel, name) for channel in channels):
             known = list(dict.fromkeys(map(_name, channels)))
-            near = get_close_matches(name, known, n=1, cutoff=0.0)
-            raise InputError(
-                f"--without {name}",
-                f"the channels of {', '.join(recording.file for recording in recordings)} are {', '.join(known)}",
-                f"the nearest one is {near[0]}" if near else "leave --without away",
-            )
+            files = ", ".join(recording.file for recording in recordings)
+            raise not_left_out(name, f"the channels of {files}", known)
 
 
 def channels_of(recording: Recording, excitation: str | None, without: Sequence[str] = ()) -> Channels:

@@ -2,10 +2,10 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 
 from models.errors import InputError
 from models.rig import Excitation, Rig, Sensor
+from models.rig_checks import nearest
 from testbed.records.recording import RawChannel, Recording, Tag, identifier
 from testbed.records.units import Measured, quantity_of
 
@@ -125,14 +125,21 @@ def check_left_out(names: Sequence[str], rig: Rig) -> None:
     known = sensors + ([rig.excitation.name] if rig.excitation else [])
     for name in names:
         if name not in known:
-            near = get_close_matches(name, known, n=1, cutoff=0.0)
-            raise InputError(
-                f"--without {name}",
-                f"the rig's channels are {', '.join(known)}",
-                f"the nearest one is {near[0]}" if near else "leave --without away",
-            )
+            raise not_left_out(name, "the rig's channels", known)
     if sensors and set(sensors) <= set(names):
         raise InputError(f"--without {' '.join(names)}", "a record keeps at least one sensor", "leave out fewer")
+
+
+def not_left_out(name: str, channels: str, known: list[str]) -> InputError:
+    """What to say of a name of ``--without`` that no channel has.
+
+    Args:
+        name: as given.
+        channels: whose they are, in words.
+        known: their names.
+    """
+    mend = f"the nearest one is {nearest(name, known)}" if known else "leave --without away"
+    return InputError(f"--without {name}", f"{channels} are {', '.join(known)}", mend)
 
 
 def _channels_of(sensor: Sensor, channels: Sequence[RawChannel], sensors: Sequence[Sensor]) -> list[RawChannel]:
