@@ -253,14 +253,13 @@ def _finer(session: Session, result: Fit, index: int) -> Iterator[Ranked]:
         yield Ranked.of(found, index)
 
 
-def verdict_of(session: Session, calibrated: Fit, final: Fit, *, searched: bool, taken_out: bool = False) -> Verdict:
+def verdict_of(session: Session, calibrated: Fit, final: Fit, *, taken_out: bool = False) -> Verdict:
     """What the end is called, decided and told.
 
     Args:
         session: told.
         calibrated: the model without effects.
         final: with all that were added.
-        searched: whether effects were looked for.
         taken_out: whether an effect that explained something was taken out again, because its numbers are not told.
     """
     has_effects = bool(final.hypothesis.effects)
@@ -272,7 +271,7 @@ def verdict_of(session: Session, calibrated: Fit, final: Fit, *, searched: bool,
         return "missing_effect"
     complete = None
     if not has_effects:
-        complete = _complete(session, calibrated, searched=searched)
+        complete = _complete(session, calibrated)
     if complete is None and share < IMITATED and not taken_out:
         complete = _models_own(session, calibrated)
     if complete is not None:
@@ -292,10 +291,10 @@ IMITATED = 0.5
 """Share of the misfit from which on what an effect takes away may be one, even if the model itself errs by as much."""
 
 
-def _complete(session: Session, calibrated: Fit, *, searched: bool) -> str | None:
+def _complete(session: Session, calibrated: Fit) -> str | None:
     """Why nothing is missing in the calibrated model, or None."""
     motion = "" if session.everything.timed else " for small motion about rest"
-    if not searched or (calibrated.ratio <= NOISE_DOUBTED and not session.left_tolerance(calibrated)):
+    if calibrated.ratio <= NOISE_DOUBTED and not session.left_tolerance(calibrated):
         return f"the calibrated model reaches the noise{motion}"
     if session.is_passing and not session.left_tolerance(calibrated):
         return "the calibrated model reaches the noise but for an event that passes"

@@ -41,11 +41,7 @@ def one_alone(session: Session, calibrated: Fit, found: Fit) -> Fewer | None:
     session.progress(f"looking for one effect that does what {names} do")
     alone = _each_of_them(session, calibrated, found)
     rows = told_apart(session, _judged(session, calibrated, found, alone))
-    numbers = sum(effect.n_numbers for effect in effects)
-    while rows and not any(is_alike(rows[0].fit, fit) for fit in alone):
-        if rows[0].effect.n_numbers <= numbers and comes_as_near(rows[0].fit, found):
-            break
-        rows = rows[1:]
+    rows = rows[next((k for k, row in enumerate(rows) if _stands(row, found, alone)), len(rows)) :]
     if not rows:
         return None
     effect, best = rows[0].effect, rows[0].fit
@@ -55,6 +51,14 @@ def one_alone(session: Session, calibrated: Fit, found: Fit) -> Fewer | None:
     )
     tell_tangent(session, rows[0])
     return Fewer(best, [rows], f"{names} replaced by {effect.label()} alone")
+
+
+def _stands(row: Ranked, found: Fit, alone: list[Fit]) -> bool:
+    """Whether a suspect, fitted to all that the two are, explains as much: one of them, or no more numbers as near."""
+    if not row.refitted or any(is_alike(row.fit, fit) for fit in alone):
+        return row.refitted
+    numbers = sum(effect.n_numbers for effect in found.hypothesis.effects)
+    return row.effect.n_numbers <= numbers and comes_as_near(row.fit, found)
 
 
 def _each_of_them(session: Session, calibrated: Fit, found: Fit) -> list[Fit]:

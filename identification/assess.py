@@ -47,7 +47,7 @@ def score(evaluator: Evaluator, hypothesis: Hypothesis) -> Score:
         rows.append(
             RecordScore(
                 record=target.record,
-                predicted=response.channels,
+                predicted=target.at_its_zero(response.channels),
                 noise=target.noise,
                 nrmse=nrmse(residual, target.measured),
                 noise_nrmse=target.nrmse_of_noise,

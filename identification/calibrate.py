@@ -129,7 +129,8 @@ def beginning(evaluator: Evaluator, share: float, seconds: float) -> Evaluator:
     short: list[Target] = [target.soft() for target in evaluator.at_rest]
     for target in evaluator.timed:
         record = target.record
-        power = np.sum((record.responses / (record.responses.std(axis=1, keepdims=True) + TINY)) ** 2, axis=0)
+        motion = record.responses - np.where(target.without_zero, record.responses.mean(axis=1), 0.0)[:, None]
+        power = np.sum((motion / (motion.std(axis=1, keepdims=True) + TINY)) ** 2, axis=0)
         reached = int(np.searchsorted(np.cumsum(power), share * power.sum()))
         short.append(target.cut(max(MIN_SAMPLES, reached, round(seconds * record.fs))))
     return evaluator.with_targets(short)

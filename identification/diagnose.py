@@ -36,7 +36,7 @@ from identification.reached import NOISE_REACHED
 from identification.relearning import everything_again, fitted_again, relearn, reweigh
 from identification.result import Diagnosis, Stage, Verdict
 from identification.rounds import look_round, told_apart, with_other_starts
-from identification.session import Session
+from identification.session import CLEARLY_LOUDER, Session
 from identification.sight import beginnings_of, explained_beginning, refitted_from, shorten
 from identification.together import wholly_off
 from models.effects import EFFECTS, Registry
@@ -95,8 +95,7 @@ def diagnose(
     base = _calibrated(session, replace(started, starts={}))  # beside the numbers as given other states fit best
     session.decide(_calibration_in_words(base))
     stages.append(session.stage("calibrated", base.hypothesis))
-    _carry(session, base.hypothesis, seed)
-    chain: list[Fit] = [base]
+    chain: list[Fit] = [_carried(session, base)]
     rounds: list[list[Ranked]] = []
     for _ in range(MOST_ROUNDS):
         if is_enough(session, chain[-1]) and session.lengthen(chain[-1]):
@@ -210,10 +209,10 @@ def _ended(
     round; a law gives its place to a simpler one of its round first, where that explains as much. The last round stays
     where it is needed to show what was weighed.
     """
-    searched, taken_out = bool(rounds), False
+    taken_out = False
     final, weighed, asked = chain[-1], rounds[:1], [set[str]() for _ in rounds]
     while True:
-        verdict = verdict_of(session, chain[0], final, searched=searched, taken_out=taken_out)
+        verdict = verdict_of(session, chain[0], final, taken_out=taken_out)
         final = final if verdict == "missing_effect" else chain[0]
         last = settled(session, final)
         doubted = in_doubt(session, chain[0], final, last)
@@ -263,14 +262,25 @@ def _open(
     return session
 
 
-def _carry(session: Session, hypothesis: Hypothesis, seed: int) -> None:
-    """The excitation's noise as this model carries it, where that is less than so far.
+def _carried(session: Session, base: Fit) -> Fit:
+    """The fit with the excitation's noise as its model carries it, where that is less than so far.
 
     A model with wrong numbers may tremble at what leaves the structure cold; none carries less than the truth for long.
     """
-    carried = carry_noise(session.everything, hypothesis, np.random.default_rng(seed))
+    carried = carry_noise(session.everything, base.hypothesis, np.random.default_rng(session.seed))
     pairs = zip(session.everything.targets, carried, strict=True)
     session.everything = session.everything.with_targets([min(pair, key=lambda t: t.nrmse_of_noise) for pair in pairs])
+    whole = {target.record.name: target for target in session.everything.timed}
+    parts = [whole[part.record.name].cut(part.record.n_samples) for part in session.fitting.timed]
+    quieter = session.fitting.with_targets([*session.fitting.at_rest, *parts])
+    if quieter.nrmse_of_noise * CLEARLY_LOUDER > session.fitting.nrmse_of_noise:
+        return base
+    session.decide(
+        f"the force's noise, as the calibrated model carries it, leaves {quieter.nrmse_of_noise:.2%} instead of "
+        f"{session.fitting.nrmse_of_noise:.2%}"
+    )
+    session.fitting = quieter
+    return fit(quieter, base.hypothesis, base.unknowns, precise=True)
 
 
 def _calibration_in_words(base: Fit) -> str:

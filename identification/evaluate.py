@@ -17,7 +17,7 @@ from threadpoolctl import threadpool_limits
 from identification.hypothesis import Hypothesis
 from identification.noise import Noise
 from identification.rest_target import FrfTarget, ModesTarget
-from models.arrays import ComplexArray, FloatArray
+from models.arrays import BoolArray, ComplexArray, FloatArray
 from models.band_limit import SCORE_EDGE
 from models.errors import DivergenceError
 from models.record import AnyRecord, Record
@@ -68,6 +68,8 @@ class TimeTarget:
             density, since noise may grow through a record. Empty where none was carried.
         unjudged: samples at the start of a record, or of a later part of one, that was in motion before: the recorder
             saw that and the model does not.
+        without_zero: (n,) whether the mean of a channel tells nothing: what a sensor of acceleration reads at rest is
+            its own, and gravity's. Empty where each channel counts from rest.
     """
 
     record: Record
@@ -78,12 +80,14 @@ class TimeTarget:
     whole: float
     carried: FloatArray = field(default_factory=lambda: np.empty((0, 0, 0)), repr=False)
     unjudged: int = 0
+    without_zero: BoolArray = field(default_factory=lambda: np.empty(0, bool))
 
     @classmethod
-    def of(cls, record: Record, noise: Noise, unjudged: int = 0) -> "TimeTarget":
+    def of(cls, record: Record, noise: Noise, unjudged: int = 0, without_zero: BoolArray | None = None) -> "TimeTarget":
         """With the sensors' noise alone."""
-        measured = _judged_spectrum(record.responses, unjudged)
-        bare = cls(record, noise, measured, np.empty(0), record, record.duration, unjudged=unjudged)
+        free = np.zeros(len(record.sensors), bool) if without_zero is None else without_zero
+        measured = _judged_spectrum(record.responses, unjudged, free)
+        bare = cls(record, noise, measured, np.empty(0), record, record.duration, unjudged=unjudged, without_zero=free)
         return bare.with_noise(noise)
 
     def with_noise(self, noise: Noise) -> "TimeTarget":
@@ -125,7 +129,7 @@ class TimeTarget:
 
     def _part(self, record: Record, driven: Record, carried: FloatArray, unjudged: int) -> "TimeTarget":
         """A part of the record, with the noise that was carried into it."""
-        measured = _judged_spectrum(record.responses, unjudged)
+        measured = _judged_spectrum(record.responses, unjudged, self.without_zero)
         line = np.linspace(0, self.density.shape[1] - 1, measured.shape[1]).astype(int)
         density = self.density[:, line]
         if len(carried):
@@ -143,15 +147,25 @@ class TimeTarget:
 
     def without(self, name: str) -> "TimeTarget":
         """Without the channel of a sensor, if it has that."""
-        kept = [i for i, sensor in enumerate(self.record.sensors) if sensor != name]
-        if len(kept) == len(self.record.sensors):
+        return self.only([sensor for sensor in self.record.sensors if sensor != name])
+
+    def only(self, names: Sequence[str]) -> "TimeTarget":
+        """The channels of these sensors, which it has, in this order."""
+        if tuple(names) == self.record.sensors:
             return self
+        kept = [self.record.sensors.index(name) for name in names]
         record, driven = (_of_channels(record, kept) for record in (self.record, self.driven))
         noise = replace(self.noise, sensors=self.noise.sensors[kept])
         carried = self.carried[:, kept] if len(self.carried) else self.carried
-        measured, density = self.measured[kept], self.density[kept]
         return replace(
-            self, record=record, noise=noise, measured=measured, density=density, driven=driven, carried=carried
+            self,
+            record=record,
+            noise=noise,
+            measured=self.measured[kept],
+            density=self.density[kept],
+            driven=driven,
+            carried=carried,
+            without_zero=self.without_zero[kept],
         )
 
     def exchanged(self, name: str, other: str) -> "TimeTarget":
@@ -167,11 +181,25 @@ class TimeTarget:
         record, driven = (replace(each, responses=each.responses[order]) for each in (self.record, self.driven))
         noise, own = replace(self.noise, sensors=self.noise.sensors[order]), self.with_noise(self.noise).density
         density = np.maximum(self.density - own, 0.0) + own[order]
-        return replace(self, record=record, noise=noise, measured=self.measured[order], density=density, driven=driven)
+        return replace(
+            self,
+            record=record,
+            noise=noise,
+            measured=self.measured[order],
+            density=density,
+            driven=driven,
+            without_zero=self.without_zero[order],
+        )
 
     def spectrum(self, channels: FloatArray) -> ComplexArray:
         """(n, lines) spectrum of what was simulated, as far as it is judged."""
-        return _judged_spectrum(channels[:, : self.record.n_samples], self.unjudged)
+        return _judged_spectrum(channels[:, : self.record.n_samples], self.unjudged, self.without_zero)
+
+    def at_its_zero(self, channels: FloatArray) -> FloatArray:
+        """(n, N) what was simulated, each channel with the mean of the measured one where that tells nothing."""
+        n = self.record.n_samples
+        own = _means(self.record.responses, self.unjudged) - _means(channels[:, :n], self.unjudged)
+        return channels + np.where(self.without_zero, own, 0.0)[:, None]
 
     @property
     def n_data(self) -> int:
@@ -186,7 +214,7 @@ class TimeTarget:
     @property
     def n_judged(self) -> int:
         """Chi-square that noise alone leaves in the mean."""
-        return round(self.judged_share * self.n_data)
+        return round(self.judged_share * self.n_data) - 2 * int(self.without_zero.sum())
 
     @property
     def repeats(self) -> float:
@@ -249,15 +277,23 @@ def scored_spectrum(channels: FloatArray) -> ComplexArray:
     return np.asarray(fft.rfft(channels, axis=1)[:, : int(SCORE_EDGE * n) + 1])
 
 
-def _judged_spectrum(channels: FloatArray, unjudged: int) -> ComplexArray:
-    """The same without the samples at the start that are not judged; what follows counts ever more.
+def _judged_spectrum(channels: FloatArray, unjudged: int, without_zero: BoolArray) -> ComplexArray:
+    """The same without the samples at the start that are not judged, and without means that tell nothing.
 
-    A misfit that begins with a jump is spread over all lines, and counts most where the noise is least: the friction
-    of a frame came out 0.03 N apart with and without one of 1250 samples.
+    What follows the start counts ever more: a misfit that begins with a jump is spread over all lines, and counts most
+    where the noise is least: the friction of a frame came out 0.03 N apart with and without one of 1250 samples.
     """
+    if without_zero.any():
+        channels = channels - np.where(without_zero, _means(channels, unjudged), 0.0)[:, None]
     if unjudged:
         channels = channels * _weights(channels.shape[1], unjudged)
     return scored_spectrum(channels)
+
+
+def _means(channels: FloatArray, unjudged: int) -> FloatArray:
+    """(n,) the constant by which each channel is nearest to 0 in what is judged of it."""
+    weights = _weights(channels.shape[1], unjudged) ** 2
+    return np.asarray(channels @ weights / weights.sum())
 
 
 def _weights(n: int, unjudged: int) -> FloatArray:

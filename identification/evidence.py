@@ -168,6 +168,22 @@ def reweighed(ranked: Sequence[Ranked], refitted: Sequence[Ranked]) -> list[Rank
     return [*rows, *(replace(r, log_evidence=r.log_evidence + shift) for r in ranked if not r.refitted)]
 
 
+def ranked_together(*rankings: Sequence[Ranked]) -> list[Ranked]:
+    """The rows of several rankings by their evidence; those without a refit stay as far behind the best of their own.
+
+    Args:
+        rankings: each sorted.
+    """
+    rows = with_evidence([row for ranking in rankings for row in ranking if row.refitted])
+    now = {id(row.fit): row.log_evidence for row in rows}
+    left: list[Ranked] = []
+    for ranking in rankings:
+        first = next((row for row in ranking if row.refitted), None)
+        shift = 0.0 if first is None else now[id(first.fit)] - first.log_evidence
+        left += [replace(r, log_evidence=r.log_evidence + shift) for r in ranking if not r.refitted]
+    return [*rows, *left]
+
+
 def log_occam(result: Fit, scale: float = 1.0) -> float:
     """Logarithm of the share of the prior's volume that the data leave to the last effect's unknowns.
 

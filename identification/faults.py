@@ -111,21 +111,22 @@ def suspicion(evaluator: Evaluator, there: Fit) -> Suspicion:
         evaluator: records, at the resolution of the search.
         there: the calibrated model on them.
     """
-    if not evaluator.timed or evaluator.at_rest:
+    if not evaluator.timed:
         return NO_SUSPICION
+    evaluator, there = _in_time(evaluator, there)
     shared = _of_force(evaluator, there) or _in_lines(evaluator, there)
     if shared:
         return shared
     there_are = {name for target in evaluator.timed for name in target.record.sensors}
     names = [sensor.name for sensor in there.hypothesis.rig.sensors if sensor.name in there_are]
-    if len(names) < LEAST_SENSORS:
+    if len(names) < 2:
         return NO_SUSPICION
-    alone = [Place(sensor=name) for name in names]
+    alone = [Place(sensor=name) for name in names] if len(names) >= LEAST_SENSORS else []
     pairs = [Place(sensor=one, other=other) for one, other in combinations(names, 2)]
     rows = [_left_beside(evaluator, there, [*alone, *pairs])]
     if there.ratio >= LARGE:
         rows.append(_left_in(beginning(evaluator, *WINDOW), there, alone, pairs))
-    left = min(rows, key=lambda row: min(row.values()))
+    left = min(rows, key=lambda row: min(row.values(), default=1.0))
     at_fault = sorted((place for place in left if left[place] < PLAINLY), key=left.__getitem__)
     if not at_fault:
         return NO_SUSPICION
@@ -138,6 +139,23 @@ def suspicion(evaluator: Evaluator, there: Fit) -> Suspicion:
     return Suspicion(tuple(place for place in at_fault if place.other is None)[:MOST_SENSORS], words=words)
 
 
+def _in_time(evaluator: Evaluator, there: Fit) -> tuple[Evaluator, Fit]:
+    """The time records alone, and a fit's residual and slopes there: FRFs and mode shapes have no channels in time."""
+    if not evaluator.at_rest:
+        return evaluator, there
+    timed = evaluator.with_targets(evaluator.timed)
+    is_timed = [isinstance(target, TimeTarget) for target in evaluator.targets]
+    mine = np.repeat(is_timed, [target.n_data for target in evaluator.targets])
+    residual = there.residual[mine]
+    return timed, replace(
+        there,
+        residual=residual,
+        jacobian=there.jacobian[:, mine],
+        chi2=float(residual @ residual),
+        n_data=timed.n_judged,
+    )
+
+
 def _left_beside(evaluator: Evaluator, there: Fit, faults: Sequence[Place]) -> dict[Place, float]:
     """Share of the excess that is left without each channel or with each pair exchanged, by the numbers' slopes."""
     whole = _left_of(there)
@@ -145,12 +163,12 @@ def _left_beside(evaluator: Evaluator, there: Fit, faults: Sequence[Place]) -> d
 
 
 def _left_of(there: Fit) -> float:
-    return Projection(there).misfit - len(there.residual)
+    return Projection(there).misfit - there.n_data
 
 
 def _mended(evaluator: Evaluator, there: Fit, fault: Place) -> Fit:
     """The fit's residual and slopes as they would be without a channel, or with two exchanged."""
-    rows, residuals = [], []
+    rows, residuals, n_data = [], [], 0.0
     ends = np.cumsum([target.n_data for target in evaluator.timed])
     for target, end in zip(evaluator.timed, ends, strict=True):
         part = slice(end - target.n_data, end)
@@ -165,7 +183,10 @@ def _mended(evaluator: Evaluator, there: Fit, fault: Place) -> Fit:
             slopes = slopes * np.repeat(np.sqrt(target.density / mended.density), 2)
         rows.append(slopes)
         residuals.append(residual)
-    return replace(there, jacobian=np.concatenate(rows, axis=1), residual=np.concatenate(residuals))
+        n_data += target.n_judged * len(residual) / target.n_data
+    return replace(
+        there, jacobian=np.concatenate(rows, axis=1), residual=np.concatenate(residuals), n_data=round(n_data)
+    )
 
 
 def _without_fault(target: TimeTarget, fault: Place) -> TimeTarget:
@@ -183,7 +204,8 @@ def _left_in(window: Evaluator, there: Fit, alone: Sequence[Place], pairs: Seque
     faults, by_one = [Place(), *alone, *promising], window.with_jobs(1)
 
     def excess(fault: Place) -> float:
-        return _excess(by_one.with_targets([_without_fault(target, fault) for target in by_one.timed]), there)
+        mended = [_without_fault(target, fault) for target in by_one.timed]
+        return _excess(by_one.with_targets([target for target in mended if target.record.sensors]), there)
 
     whole, *left = in_parallel(window.jobs, excess, faults)
     return {fault: each / whole if whole > 0.0 else 1.0 for fault, each in zip(faults[1:], left, strict=True)}
@@ -246,8 +268,9 @@ def _in_lines(evaluator: Evaluator, base: Fit) -> Suspicion:
         return NO_SUSPICION
     residual = base.residual
     outside = np.concatenate([_outside(target, frequencies) for target in evaluator.timed])
-    excess = float(residual @ residual) - len(residual)
-    left = float(residual[outside] @ residual[outside]) - int(outside.sum())
+    shares = np.concatenate([np.full(target.n_data, target.n_judged / target.n_data) for target in evaluator.timed])
+    excess = float(residual @ residual) - base.n_data
+    left = float(residual[outside] @ residual[outside]) - float(shares[outside].sum())
     if not excess > 0.0 or left > MOSTLY * excess:
         return NO_SUSPICION
     told = ", ".join(f"{frequency:.4g}" for frequency in sorted(frequencies))

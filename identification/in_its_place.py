@@ -10,7 +10,15 @@ from math import inf
 
 from identification.calibrate import Windows, beginning, calibrate, concerning
 from identification.evaluate import Evaluator
-from identification.evidence import LEAST_EVIDENCE, Ranked, log_fit, misfit_in_common, misfit_of, with_evidence
+from identification.evidence import (
+    LEAST_EVIDENCE,
+    Ranked,
+    log_fit,
+    misfit_in_common,
+    misfit_of,
+    reweighed,
+    with_evidence,
+)
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, free_place, own_unknowns
 from identification.in_step import tried_with
@@ -237,7 +245,7 @@ def settled_apart(fitting: Evaluator, ranked: list[Ranked], progress: Progress) 
     progress(f"{' and '.join(row.effect.label() for row in close)} fit nearly alike; fitting them to the end")
     fits = [fit(fitting, row.fit.hypothesis, row.fit.unknowns, tolerance=0.0, precise=True) for row in close]
     rows = [replace(row, fit=f, effect=f.hypothesis.effects[-1]) for row, f in zip(close, fits, strict=True)]
-    return with_evidence([*rows, *ranked[len(close) :]])
+    return reweighed(ranked, [*rows, *(row for row in ranked if row.refitted and row not in close)])
 
 
 def refit(evaluator: Evaluator, base: Fit, effect: Effect, values: Mapping[str, float]) -> Fit | None:

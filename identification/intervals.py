@@ -16,7 +16,7 @@ from identification.hypothesis import Hypothesis, at_coordinates, coordinates
 from identification.scatter import widening
 from models.arrays import FloatArray
 from models.errors import DivergenceError
-from models.simulate import MAX_STEPS_PER_SAMPLE, Settings
+from models.simulate import Settings
 
 FINER = 4
 """How much shorter the steps of the correction are, and how many times as many modes it has."""
@@ -75,10 +75,9 @@ def finer(evaluator: Evaluator, hypothesis: Hypothesis) -> Evaluator:
         evaluator: with a time record at least.
         hypothesis: whose resolution is refined.
     """
-    responses = evaluator.responses(hypothesis)
-    steps = max(response.steps_per_sample for response in responses)
-    modes = max(response.model.n for response in responses)
-    return evaluator.with_settings(Settings(FINER * modes, min(FINER * steps, MAX_STEPS_PER_SAMPLE)))
+    modes = max(response.model.n for response in evaluator.responses(hypothesis))
+    settings = evaluator.settings
+    return evaluator.with_settings(replace(settings, n_modes=FINER * modes, times=FINER * settings.times))
 
 
 def _finely(evaluator: Evaluator, found: Fit) -> Fit:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from identification.calibrate import beginning, calibrate, pulled, set_in_motion
 from identification.evaluate import Evaluator
-from identification.evidence import Ranked, misfit_in_common, reweighed, with_evidence
+from identification.evidence import Ranked, misfit_in_common, ranked_together, with_evidence
 from identification.fit import Fit, fit
 from identification.in_its_place import (
     EXPLAINED,
@@ -89,8 +89,7 @@ def _weighed(
 ) -> list[Ranked]:
     """What was refitted before and the best of these sketches, refitted, the one with the most evidence first."""
     more = finals(sketches, fitting, base, kinds, progress, known=known)
-    rows = [row for row in (*known, *more) if row.refitted]
-    return settled_apart(fitting, reweighed(known, rows), progress) if known else more
+    return settled_apart(fitting, ranked_together(known, more), progress) if known else more
 
 
 SMALL, LARGE = 3.0, 8.0

@@ -65,7 +65,7 @@ def _power(target: TimeTarget, residual: FloatArray) -> tuple[FloatArray, float]
     n, fs = target.record.n_samples, target.record.fs
     window = np.hanning(n)
     sigma = np.maximum(target.noise.sensors, np.finfo(float).tiny)[:, None]
-    spectrum = np.fft.rfft(residual / sigma * window, PADDED * n)
+    spectrum = np.fft.rfft((residual - residual.mean(axis=1, keepdims=True)) / sigma * window, PADDED * n)
     power = np.sum(np.abs(spectrum) ** 2, axis=0)
     return np.asarray(power[: int(SCORE_EDGE * PADDED * n)]), fs / (PADDED * n)
 

@@ -18,6 +18,9 @@ from models.arrays import AnyArray, FloatArray
 from models.band_limit import SCORE_EDGE
 from models.record import Record
 
+LEAST_BLOCK = 128
+"""Samples of whole periods that are compared with the next ones at least: fewer have too few lines to tell noise."""
+
 SEGMENT = 256
 """Samples of the segments whose cross-spectra are averaged."""
 
@@ -58,7 +61,8 @@ def estimate_noise(record: Record) -> Noise:
         record: at least a few hundred samples.
     """
     period = find_period(record.excitation) if record.excitation is not None else None
-    repeats = period if period is not None and record.n_samples >= 3 * period else None
+    block = 0 if period is None else period * -(-LEAST_BLOCK // period)
+    repeats = block if block and record.n_samples >= 3 * block else None
     density, method = _sensors_density(record, repeats)
     excitation, excitation_method = _excitation_noise(record, repeats)
     return Noise(np.sqrt(density), excitation or 0.0, method, excitation_method, hidden=excitation is None)

@@ -119,7 +119,7 @@ def of_whole(hypothesis: Hypothesis, records: Sequence[AnyRecord]) -> Hypothesis
 def _first_sample(target: TimeTarget, channels: FloatArray) -> int | None:
     """The sample shortly before which a misfit begins to last, None where none does."""
     width = round(WINDOW * target.record.fs)
-    residual = channels[:, : target.record.n_samples] - target.record.responses
+    residual = target.at_its_zero(channels[:, : target.record.n_samples]) - target.record.responses
     noise = np.maximum(target.density.mean(axis=1, keepdims=True), np.finfo(float).tiny)
     power = np.mean(residual**2 / noise, axis=0)
     n = len(power) // width

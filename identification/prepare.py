@@ -17,7 +17,6 @@ from models.linear import ORDER_READ
 from models.modal import ModalModel, build_modal
 from models.plant import Plant
 from models.record import AnyRecord, FrfRecord, Record
-from models.simulate import MAX_STEPS_PER_SAMPLE, Settings
 
 DISTURBANCE = 1e-7
 """Relative disturbance of the excitation by whose growth the divergence of neighbouring motions is measured."""
@@ -60,8 +59,15 @@ def target_of(record: AnyRecord, plant: Plant) -> Target:
     """A record with its noise, as far as the record itself tells it, from where it tells of the plant alone."""
     if isinstance(record, Record):
         noise = estimate_noise(record)
-        return TimeTarget.of(record, noise, unjudged_of(record, noise, plant))
+        quantities = {sensor.name: sensor.quantity for sensor in plant.sensors}
+        without_zero = np.array([quantities[name] in WITHOUT_ZERO for name in record.sensors])
+        return TimeTarget.of(record, noise, unjudged_of(record, noise, plant), without_zero)
     return FrfTarget.of(record) if isinstance(record, FrfRecord) else ModesTarget.of(record)
+
+
+WITHOUT_ZERO = frozenset({"acceleration", "angular_velocity"})
+"""Quantities whose mean over a test tells nothing of the rig: motion that stays finite has none, and what the sensor
+reads is its own zero, and gravity's share. Displacements count from rest, and a velocity may drift with its base."""
 
 
 def start_unknowns(hypothesis: Hypothesis, records: Sequence[Record]) -> tuple[Unknown, ...]:
@@ -89,16 +95,19 @@ def _state_scales(model: ModalModel, record: Record) -> FloatArray:
     by_name = {sensor.name: sensor for sensor in model.plant.sensors}
     lowest = 2.0 * pi / record.duration
     omega = np.maximum(model.omega, lowest)
-    size = np.zeros(model.n)
-    for name, channel in zip(record.sensors, record.responses, strict=True):
-        sensor = by_name[name]
-        turns = sensor.quantity == "angular_velocity"
-        order = ORDER_READ[sensor.quantity]
-        shape = np.abs(model.rows(sensor.position, 1 if turns else 0))
-        size = np.maximum(size, float(np.std(channel)) / (np.maximum(shape, 0.1 * shape.max()) * omega**order))
+    size, sensors = np.zeros(model.n), [by_name[name] for name in record.sensors]
+    shapes = [np.abs(model.rows(each.position, 1 if each.quantity == "angular_velocity" else 0)) for each in sensors]
+    largest: dict[str, float] = {}  # beside it, at the clamp, a sensor tells nothing
+    for sensor, shape in zip(sensors, shapes, strict=True):
+        largest[sensor.quantity] = max(largest.get(sensor.quantity, TINY), float(shape.max()))
+    for sensor, shape, channel in zip(sensors, shapes, record.responses, strict=True):
+        moves = np.maximum(shape, 0.1 * largest[sensor.quantity]) * omega ** ORDER_READ[sensor.quantity]
+        size = np.maximum(size, float(np.std(channel)) / moves)
     size[model.omega > 2.0 * pi * STOP_EDGE * record.fs] = 0.0
     return np.concatenate([size, size * omega])
 
+
+TINY = 1e-300
 
 RESOLVED = 0.25
 """Discretisation error, as a share of the noise, that a fit does not see."""
@@ -113,13 +122,10 @@ def resolved(evaluator: Evaluator, hypothesis: Hypothesis, misfit: float = 1.0) 
         misfit: residual over noise of which the error is to stay a small share, where it is more than the noise.
     """
     while evaluator.timed:
-        coarse = evaluator.responses(hypothesis)
-        steps = max(response.steps_per_sample for response in coarse)
-        if steps >= MAX_STEPS_PER_SAMPLE:
-            return evaluator
-        finer = Settings(evaluator.settings.n_modes, 2 * steps)
+        finer = replace(evaluator.settings, times=2 * evaluator.settings.times)
+        coarse, fine = evaluator.responses(hypothesis), evaluator.responses(hypothesis, finer)
         error = 0.0
-        for target, one, other in zip(evaluator.timed, coarse, evaluator.responses(hypothesis, finer), strict=True):
+        for target, one, other in zip(evaluator.timed, coarse, fine, strict=True):
             change = whitened(target.spectrum(one.channels - other.channels), target)
             error = max(error, float(np.sqrt(np.mean(change**2))))
         if error * COARSE_SHARE < RESOLVED * max(1.0, misfit):
@@ -234,7 +240,8 @@ def cut_to(
         limits: horizons, in the order of the time records.
         most_records: keep only so many of them, the loudest, the quietest, and those between.
     """
-    pairs = sorted(zip(evaluator.timed, limits, strict=True), key=lambda pair: -level(pair[0].record))
+    loud = levels([target.record for target in evaluator.timed])
+    pairs = sorted(zip(evaluator.timed, limits, strict=True), key=lambda pair: -loud[pair[0].record.name])
     if most_records is not None and len(pairs) > most_records:
         chosen = np.unique(np.linspace(0, len(pairs) - 1, most_records).round().astype(int))
         pairs = [pairs[i] for i in chosen]
@@ -254,3 +261,17 @@ def level(record: Record) -> float:
     """Rms of the excitation, or of the response where there is none."""
     signal = record.responses if record.excitation is None else record.excitation
     return float(np.sqrt(np.mean(signal**2)))
+
+
+def levels(records: Sequence[Record]) -> dict[str, float]:
+    """How loud each record is beside the others, by name: its level, or where some have no excitation their response.
+
+    Args:
+        records: of which each sensor's rms is taken as a share of its largest.
+    """
+    if len({record.excitation is None for record in records}) < 2:
+        return {record.name: level(record) for record in records}
+    rms = [dict(zip(record.sensors, record.responses.std(axis=1).tolist(), strict=True)) for record in records]
+    largest = {name: max(row.get(name, 0.0) for row in rms) or 1.0 for row in rms for name in row}
+    shares = [[size / largest[name] for name, size in row.items()] for row in rms]
+    return {record.name: float(np.median(row)) for record, row in zip(records, shares, strict=True)}

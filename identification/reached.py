@@ -72,7 +72,7 @@ def missed(evaluator: Evaluator, result: Fit) -> float:
 
 def _missed(target: TimeTarget, residual: FloatArray) -> float:
     error = np.sum(np.abs(unwhitened(residual, target)) ** 2, axis=1)
-    noise = np.sum(target.density, axis=1)
+    noise = target.judged_share * np.sum(target.density, axis=1)
     power = np.sum(np.abs(target.measured) ** 2, axis=1) / target.record.n_samples
     with np.errstate(invalid="ignore", divide="ignore"):
         return float(np.sqrt(np.mean(np.maximum(error - noise, 0.0) / power)))

@@ -94,7 +94,7 @@ def is_needed_throughout(evaluator: Evaluator, less: Fit, found: Fit) -> bool:
 
     A number may move far as a part is left out (a valley, a motion that is hard to predict) without hanging on it. What
     does hang on a part is not missed by the others: left to themselves, they are explained without the effect as well,
-    the numbers free to take the one linear step that the part kept them from.
+    the numbers free to take the one linear step that the part kept them from. What there is but one of is not left out.
 
     Args:
         evaluator: records that were fitted.
@@ -104,7 +104,8 @@ def is_needed_throughout(evaluator: Evaluator, less: Fit, found: Fit) -> bool:
     prior = prior_of(less.unknowns)
     pulled = prior * coordinates(less.hypothesis, less.unknowns)
     scale = misfit_of(found)
-    for parts in _divisions(evaluator, found):
+    divisions = (parts for parts in _divisions(evaluator, found) if len(np.unique(parts)) > 1)
+    for parts in divisions:
         for number in np.unique(parts).tolist():
             others = parts != number
             jacobian, residual = less.jacobian[:, others], less.residual[others]

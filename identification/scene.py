@@ -143,7 +143,7 @@ def scenes(
                     penetration=_penetration(response, position, moved[i]),
                 )
             )
-        force = max(force, _force(target.record, response, response.channels[1::2]))
+        force = max(force, _force(record, response, response.channels[1::2]))
     duration = max(target.whole for target in evaluator.timed)
     lines = lines_left(evaluator, hypothesis) if lines is None else lines
     common = _common(response.model, force or 1.0, duration)

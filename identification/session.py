@@ -105,9 +105,7 @@ class Session:
         if finer.settings == self.fitting.settings:
             return result
         self.fitting, self.everything = finer, self.everything.with_settings(finer.settings)
-        self.decide(
-            f"steps halved to {finer.settings.steps_per_sample} per sample: the coarser ones stood above the noise"
-        )
+        self.decide(f"steps {finer.settings.times} times as short: longer ones stood above the noise")
         return fit(finer, result.hypothesis, result.unknowns, precise=True)
 
     def to_the_end(self, result: Fit) -> Fit:

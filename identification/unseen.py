@@ -60,7 +60,7 @@ def left_unseen(session: Session, without: Fit, found: Fit) -> Unseen | None:
         return None
     squares = []
     for (target, rest), one, other in zip(rests, *runs, strict=True):
-        before, after = one.channels[:, rest], other.channels[:, rest]
+        before, after = (target.at_its_zero(each.channels)[:, rest] for each in (one, other))
         measured, variance = target.record.responses[:, rest], _variance(target)[:, None]
         errors = (before - measured, after - measured, before - after)
         squares.append([np.mean(error**2 / variance) for error in errors])

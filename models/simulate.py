@@ -24,7 +24,8 @@ STEP_RATE = 6144.0
 CONTACT_RESOLUTION = 0.02
 """Largest k h^2 / (6 m) of a contact on the mass that it meets within a step."""
 
-MAX_STEPS_PER_SAMPLE = 64
+MOST_STEPS, MOST_STEP_RATE = 64, 65536.0
+"""Steps per sample at most, or as many as make so many a second of a record at a low rate."""
 
 FORCE_TOLERANCE = 1e-9
 """Change of a force that ends the iteration in a step, as a share of the excitation's peak and the forces at rest."""
@@ -38,11 +39,13 @@ class Settings:
         n_modes: dynamic modes.
         steps_per_sample: steps of the integrator per sample of the record.
         trace: keep the motion of the ports and the forces there.
+        times: as many steps, given or chosen, up to the most.
     """
 
     n_modes: int | None = None
     steps_per_sample: int | None = None
     trace: bool = False
+    times: int = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,7 +204,13 @@ def _resolved(
     """The model, its steps per sample, and the force that its forces are weighed against, N."""
     model = build_modal(plant, STOP_EDGE * record.fs, settings.n_modes)
     load = load_of(model, drive_of(record, plant, 1, free))
-    return model, settings.steps_per_sample or steps_per_sample(model, record.fs, load), load
+    steps = settings.steps_per_sample or steps_per_sample(model, record.fs, load)
+    return model, max(steps, min(settings.times * steps, most_steps(record.fs))), load
+
+
+def most_steps(fs: float) -> int:
+    """Steps per sample beyond which none are chosen, at a record's rate, Hz."""
+    return max(MOST_STEPS, int(np.ceil(MOST_STEP_RATE / fs)))
 
 
 def steps_per_sample(model: ModalModel, fs: float, load: float) -> int:
@@ -217,10 +226,11 @@ def steps_per_sample(model: ModalModel, fs: float, load: float) -> int:
         return factor
     slope = np.array([contact.law.slope_under(load) for contact in model.plant.contacts])
     square = np.stack([model.rows(contact.position) for contact in model.plant.contacts]) ** 2
-    while factor < MAX_STEPS_PER_SAMPLE:
+    most = most_steps(fs)
+    while factor < most:
         if (slope * (square @ _yielding(model.omega, 1.0 / (factor * fs)))).max() < CONTACT_RESOLUTION:
             break
-        factor = min(2 * factor, MAX_STEPS_PER_SAMPLE)
+        factor = min(2 * factor, most)
     return factor
 
 

@@ -203,7 +203,9 @@ def contact_step(
     if contact[j, 3] > 0.0:
         first, last = side0 * n0, side1 * call_law(law, t, p1, r1, 0.0, values, offset)
         p, rate = halfway(h, side0 * p0, side0 * r0, side1 * p1, side1 * r1)
-        rise = (call_law(law, t - 0.5 * h, p, rate, 0.0, values, offset) - 0.5 * (first + last)) / 1.5
+        side = 1.0 if p >= 0.0 else -1.0
+        middle = side * call_law(law, t - 0.5 * h, side * p, side * rate, 0.0, values, offset)
+        rise = (middle - 0.5 * (first + last)) / 1.5
         return -first - rise, -last - rise
     if p0 <= 0.0 and p1 <= 0.0:
         return 0.0, 0.0

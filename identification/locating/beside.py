@@ -130,7 +130,7 @@ class BesideRun:
         self.beam = FreeBeam.of(self.model, self.places, self.springs, self.record.n_samples, self.record.fs)
         by_name = {sensor.name: sensor for sensor in self.plant.sensors}
         self.rows, self.order = sensor_rows(self.model, [by_name[name] for name in self.record.sensors])
-        self.gap = target.measured - scored_spectrum(response.channels)
+        self.gap = target.measured - target.spectrum(response.channels)
 
     @cached_property
     def settled(self) -> Settled:
@@ -158,6 +158,7 @@ class BesideRun:
         """(lines, n_sensors) of the noise's spectrum, SI^2."""
         variance = self.record.n_samples * self.target.density.T
         heard = np.array([1.0 if name != self.unheard else UNHEARD for name in self.record.sensors])
+        variance[0] = np.where(self.target.without_zero, UNHEARD, 1.0) * variance[0]
         return np.asarray(variance * heard)
 
     @cached_property

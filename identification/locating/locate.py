@@ -50,16 +50,18 @@ def locate(
         seed: of the draws of the motion.
 
     Returns:
-        None without time records, on an oscillator, and where a single channel tells no place.
+        None without time records, on an oscillator, and where no two channels are in all records.
 
     Raises:
         DivergenceError: the model's motion left the finite numbers.
     """
     structure, timed = hypothesis.rig.structure, evaluator.timed
-    names = tuple(dict.fromkeys(name for target in timed for name in target.record.sensors))
-    same = all(target.record.sensors == names for target in timed)
-    if not timed or not isinstance(structure, Beam) or len(names) < LEAST_CHANNELS or not same:
+    every = dict.fromkeys(name for target in timed for name in target.record.sensors)
+    names = tuple(name for name in every if all(name in target.record.sensors for target in timed))
+    if not timed or not isinstance(structure, Beam) or len(names) < LEAST_CHANNELS:
         return None
+    if any(target.record.sensors != names for target in timed):
+        evaluator, runs = evaluator.with_targets([target.only(names) for target in timed]), None
     search = _Search(evaluator, hypothesis, seed, names)
     first = search.profile(runs if runs is not None else runs_beside(evaluator, hypothesis))
     if np.sqrt(first.weighed.nothing) <= AT_NOISE or first.best_evidence < LEAST_EVIDENCE:

@@ -7,7 +7,7 @@ import numpy as np
 
 from identification.evaluate import TimeTarget
 from identification.hypothesis import Hypothesis
-from identification.prepare import level
+from identification.prepare import levels
 from models.arrays import FloatArray
 from models.band_limit import SCORE_EDGE
 from models.record import Record
@@ -50,7 +50,8 @@ class Bench:
             rig: as its owner describes it.
             targets: time records with their noise, one at least.
         """
-        loud = sorted(targets, key=lambda target: level(target.record))
+        loudness = levels([target.record for target in targets])
+        loud = sorted(targets, key=lambda target: loudness[target.record.name])
         noise, largest = _by_sensor(loud)
         names = tuple(sensor.name for sensor in rig.sensors if sensor.name in noise)
         driven = [target for target in loud if target.record.excitation is not None]

@@ -15,9 +15,8 @@ import numpy as np
 from identification.evaluate import Evaluator
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, Unknown
-from identification.next_experiment.forecast import Forecast
+from identification.next_experiment.forecast import Forecast, own_of_test
 from identification.next_experiment.rivals import Rival
-from identification.prepare import start_unknowns
 from models.arrays import FloatArray
 
 WINDOWS = (0.3, 0.8)
@@ -85,7 +84,7 @@ def _refitted(seen: Forecast, rivals: Sequence[Rival], old: Evaluator, a: int, b
     new = replace(target, density=target.density * seconds / max(seen.useful, seconds))
     both = old.with_targets([*old.targets, new])
     right, wrong = (_with_starts(rivals[i].fit.hypothesis, seen.models[i]) for i in (a, b))
-    unknowns = (*rivals[b].fit.unknowns, *start_unknowns(wrong, [target.record]))
+    unknowns = (*rivals[b].fit.unknowns, *own_of_test(wrong, [target.record]))
     (before,) = Against(old, right).residuals([(wrong, None)])
     if before is None:
         raise ArithmeticError("a rival diverges on the records so far")

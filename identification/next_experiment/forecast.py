@@ -7,12 +7,13 @@ away. docs/theory.md, "The next experiment", derives it.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import pi, sqrt
 
 import numpy as np
 
 from identification.evaluate import Evaluator, TimeTarget, carry_noise
 from identification.evidence import unit_of
-from identification.hypothesis import Hypothesis, coordinates
+from identification.hypothesis import Hypothesis, OwnNumber, Unknown, coordinates, own_numbers
 from identification.next_experiment.bench import Bench
 from identification.next_experiment.planned import PlannedTest
 from identification.next_experiment.rivals import Rival
@@ -21,6 +22,7 @@ from identification.prepare import horizons, start_unknowns
 from models.arrays import FloatArray
 from models.band_limit import STOP_EDGE
 from models.modal import build_modal
+from models.record import Record
 from models.simulate import Settings
 from models.simulators.modal import held
 from models.simulators.protocol import Hold
@@ -30,6 +32,9 @@ LOOKED_AT = 2.0
 
 LARGEST_MOVE = 0.05
 """Of an unknown in its own coordinate, within which a prediction is taken to change in proportion."""
+
+PHASE_SPREAD = pi / sqrt(3.0)
+"""Standard deviation of a phase of which nothing is known."""
 
 START_SPREAD = 10.0
 """What is known of the state at the first sample of a decay: nothing, in units of a typical size."""
@@ -192,18 +197,30 @@ def columns_of(evaluator: Evaluator, rival: Rival, model: Hypothesis, residual: 
         model: the rival on this test.
         residual: (n_data,) its own.
     """
-    at, starts = replace(rival, hypothesis=model), start_unknowns(model, [t.record for t in evaluator.timed])
+    at, own = replace(rival, hypothesis=model), own_of_test(model, [t.record for t in evaluator.timed])
     moves, spreads = [], []
     for axis in rival.axes:
         share = min(1.0, LARGEST_MOVE / max(float(np.abs(axis).max()), np.finfo(float).tiny))
         moves.append(_within_bounds(at, share * axis))
         spreads.append(1.0 / share)
-    for unknown in starts:
+    for unknown in own:
         moves.append(unknown.set(model, unknown.get(model) + unknown.step))
-        spreads.append(START_SPREAD / unknown.step)
+        spreads.append((PHASE_SPREAD if isinstance(unknown, OwnNumber) else START_SPREAD) / unknown.step)
     rows = evaluator.residuals([(moved, None) for moved in moves])
     kept = [spread * (row - residual) for row, spread in zip(rows, spreads, strict=True) if row is not None]
     return np.stack(kept) if kept else np.empty((0, len(residual)))
+
+
+def own_of_test(model: Hypothesis, records: Sequence[Record]) -> tuple[Unknown, ...]:
+    """What the records of a test have for themselves: states at the start, and numbers of effects, as phases.
+
+    Args:
+        model: of a rival.
+        records: of the test.
+    """
+    names = [record.name for record in records]
+    own = (unknown for i, effect in enumerate(model.effects) for unknown in own_numbers(effect, i, names))
+    return (*start_unknowns(model, records), *own)
 
 
 def _within_bounds(rival: Rival, along: FloatArray) -> Hypothesis:

@@ -6,6 +6,7 @@ from matplotlib.collections import PathCollection
 from matplotlib.ticker import MaxNLocator
 
 from models.arrays import FloatArray
+from testbed.figures.report_style import COLOURS
 
 
 def plot_force_over(
@@ -38,15 +39,32 @@ def plot_force_over(
     return dots
 
 
-def plot_force_in_time(ax: Axes, time: FloatArray, force: FloatArray) -> None:
+def plot_force_in_time(ax: Axes, time: FloatArray, force: FloatArray, linewidth: float = 0.4) -> None:
     """Force over the record.
 
     Args:
         ax: to draw on.
         time: (N,) s.
         force: (N,) N.
+        linewidth: in points.
     """
-    ax.plot(time, force, color="#555555", linewidth=0.4)
+    ax.plot(time, force, color="#555555", linewidth=linewidth)
     ax.axhline(0.0, color="#bbbbbb", linewidth=0.6, zorder=0)
     ax.set_xlim(float(time[0]), float(time[-1]))
     ax.set_xlabel("time [s]")
+
+
+def plot_force_close(ax: Axes, time: FloatArray, force: FloatArray, displacement: FloatArray) -> None:
+    """Force over a stretch of the record, and the displacement at its place on an axis of its own.
+
+    Args:
+        ax: to draw on.
+        time: (n,) s.
+        force: (n,) N.
+        displacement: (n,) mm.
+    """
+    motion = ax.twinx()
+    motion.plot(time, displacement, color=COLOURS["calibrated"], linewidth=0.9, linestyle="--")
+    motion.set_ylabel("displacement [mm]")
+    motion.spines["right"].set_visible(True)
+    plot_force_in_time(ax, time, force, linewidth=1.1)

@@ -4,10 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from identification.prepare import WITHOUT_ZERO
 from models.arrays import FloatArray
 from models.beam.clamped_free import clamped_free_modes
 from models.rig import Beam, Rig
 from testbed.records.samples import is_dead
+from testbed.records.units import SI_UNITS
 
 FAR_OUTSIDE = 30.0
 """An rms so many times the median of its quantity is no motion of this beam; nor is one so small that is mere noise."""
@@ -51,6 +53,27 @@ def find_faults(responses: dict[str, FloatArray], rig: Rig, expected: tuple[str,
         group = {sensor.name for sensor in rig.sensors if sensor.quantity == quantity}
         faults += _outside({name: samples for name, samples in alive.items() if name in group}, rig)
     return faults
+
+
+def own_zeros(responses: dict[str, FloatArray], rig: Rig) -> list[str]:
+    """A sentence where channels whose mean tells nothing have a large one.
+
+    Args:
+        responses: sensor -> (N,) samples, SI.
+        rig: what the sensors measure.
+    """
+    told = []
+    for name, samples in responses.items():
+        mean, motion = abs(float(samples.mean())), float(samples.std())
+        if rig.sensor(name).quantity in WITHOUT_ZERO and mean > LARGE_ZERO * motion:
+            told.append(f"{name} ({mean:.3g} {SI_UNITS[rig.sensor(name).quantity]})")
+    if not told:
+        return []
+    return [f"the mean of {', '.join(told)} is taken for the sensor's own zero, or gravity's share, and not judged"]
+
+
+LARGE_ZERO = 0.3
+"""Mean, as a share of a channel's standard deviation, that is told."""
 
 
 def white_rms(samples: FloatArray) -> float:

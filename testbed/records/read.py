@@ -17,7 +17,7 @@ from testbed.records.dying import undying
 from testbed.records.formats import read_file
 from testbed.records.linear import frf_record, mode_shape_record
 from testbed.records.matching import Matched, check_left_out, match
-from testbed.records.plausibility import Fault, find_faults
+from testbed.records.plausibility import Fault, find_faults, own_zeros
 from testbed.records.recording import FrfRecording, RawChannel, Recording
 from testbed.records.samples import checked, is_dead
 from testbed.records.start import starts_moving
@@ -120,7 +120,11 @@ def _time_record(
     if faults and strict:
         raise _refused(file, faults, rig, without)
     driven = None if excitation is not None else undying(list(responses.values()))
-    told = (*(f"{fault.reason}; left out" for fault in faults), *([] if driven is None else [driven]))
+    told = (
+        *(f"{fault.reason}; left out" for fault in faults),
+        *([] if driven is None else [driven]),
+        *own_zeros(responses, rig),
+    )
     return Record(
         name=file,
         fs=fs,

@@ -16,10 +16,10 @@ from testbed.report.figures import (
     force_pictures,
     frf_pictures,
     map_pictures,
-    place_picture,
     pulls_picture,
     shown_records,
 )
+from testbed.report.place_figure import place_picture
 from testbed.report.provenance import Provenance
 from testbed.report.rows import (
     CANDIDATES,

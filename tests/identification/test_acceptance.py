@@ -51,12 +51,12 @@ def fit_with_ratio(ratio, *, effect):
     return found if effect else replace(found, hypothesis=replace(found.hypothesis, effects=()), unknowns=())
 
 
-def called(calibrated, final=None, *, searched=True, **session):
+def called(calibrated, final=None, **session):
     session = Listener(**session)
     base = fit_with_ratio(calibrated, effect=False)
     base = replace(base, residual=np.full(session.fitting.n_data, calibrated))
     end = base if final is None else fit_with_ratio(final, effect=True)
-    return verdict_of(session, base, end, searched=searched), session.decisions[-1]
+    return verdict_of(session, base, end), session.decisions[-1]
 
 
 @pytest.mark.parametrize(
@@ -81,11 +81,11 @@ def test_what_leaves_much_of_the_motion_is_no_diagnosis_however_much_it_took_awa
     _, near = quiet(error=left)
     final = replace(fit_leaving(near.chi2, near.residual, effect=True), hypothesis=near.hypothesis.with_effects(MASS))
     assert calibrated.ratio > final.ratio > 10.0
-    assert verdict_of(Listener(fitting=evaluator), calibrated, final, searched=True) == verdict
+    assert verdict_of(Listener(fitting=evaluator), calibrated, final) == verdict
 
 
 def test_what_nothing_explains_is_complete_only_within_what_is_known_of_the_noise():
-    assert called(1.1, searched=False)[0] == "complete"
+    assert called(1.1)[0] == "complete"
     assert called(1.2)[0] == "complete"
     assert called(1.4)[0] == "unexplained"
 
@@ -128,7 +128,7 @@ def test_no_model_is_asked_to_be_closer_than_two_models_of_one_rig_are(error, ve
     imitation = fit_leaving(0.6 * calibrated.chi2, calibrated.residual, effect=True)
     session = Listener(fitting=fitting)
 
-    found = verdict_of(session, calibrated, imitation if searched_in_vain else calibrated, searched=True)
+    found = verdict_of(session, calibrated, imitation if searched_in_vain else calibrated)
 
     assert found == verdict
     assert verdict == "unexplained" or "misses 0.3" in session.decisions[-1]
@@ -139,7 +139,7 @@ def test_where_no_wall_is_struck_two_models_are_nearer():
         fitting, calibrated = quiet(error=error, rig=oscillator())
         calibrated = replace(calibrated, chi2=4.0 * calibrated.n_data)
 
-        assert verdict_of(Listener(fitting=fitting), calibrated, calibrated, searched=True) == verdict
+        assert verdict_of(Listener(fitting=fitting), calibrated, calibrated) == verdict
 
 
 @pytest.mark.parametrize(("share", "taken_out"), [(0.6, False), (0.95, False), (0.0, True)])
@@ -154,7 +154,7 @@ def test_what_an_effect_explains_is_not_the_models_own_error(share, taken_out):
 
     session = Listener(fitting=fitting)
 
-    assert verdict_of(session, calibrated, final, searched=True, taken_out=taken_out) == "unexplained"
+    assert verdict_of(session, calibrated, final, taken_out=taken_out) == "unexplained"
 
 
 def test_records_of_small_motion_must_reach_the_noise_beside():
@@ -165,7 +165,7 @@ def test_records_of_small_motion_must_reach_the_noise_beside():
         residual = np.append(calibrated.residual, np.full(rest.n_data, size))
         found = replace(calibrated, residual=residual, n_data=len(residual))
 
-        assert verdict_of(Listener(fitting=both), found, found, searched=True) == verdict
+        assert verdict_of(Listener(fitting=both), found, found) == verdict
 
 
 def test_what_was_not_fitted_is_asked_too():
@@ -173,15 +173,15 @@ def test_what_was_not_fitted_is_asked_too():
     part, calibrated = quiet(error=0.003)
     whole = quiet(error=0.05)
 
-    assert verdict_of(Listener(fitting=part), calibrated, calibrated, searched=True) == "complete"
-    assert verdict_of(Listener(fitting=part, whole=whole), calibrated, calibrated, searched=True) == "unexplained"
+    assert verdict_of(Listener(fitting=part), calibrated, calibrated) == "complete"
+    assert verdict_of(Listener(fitting=part, whole=whole), calibrated, calibrated) == "unexplained"
 
 
 def test_a_law_that_explains_even_so_little_is_named():
     fitting, calibrated = quiet(error=0.003)
     law = fit_leaving(float(fitting.n_data), calibrated.residual, effect=True)
 
-    assert verdict_of(Listener(fitting=fitting), calibrated, law, searched=True) == "missing_effect"
+    assert verdict_of(Listener(fitting=fitting), calibrated, law) == "missing_effect"
 
 
 def test_the_record_that_is_missed_most_counts():

@@ -1,5 +1,7 @@
 """Two effects that one could replace, by itself or of another kind, and two that are needed."""
 
+from dataclasses import replace
+
 import pytest
 from trial_records import beam_session, fit_of, found_with
 
@@ -62,6 +64,18 @@ def test_another_kind_has_to_come_as_near_with_no_more_numbers(monkeypatch, riva
     monkeypatch.setattr(alone, "judged_anew", lambda *_: [Ranked.of(there)])
 
     assert (one_alone(session, found, found) is None) == stays
+
+
+def test_what_was_never_fitted_to_all_replaces_nothing(monkeypatch):
+    session = beam_session(MASS, GAIN)
+    found = found_with(session, MASS, GAIN)
+    near = fit_of(LIGHT, found.chi2, n_data=found.n_data)
+    sketch = replace(Ranked.of(fit_of(ASTRAY, 0.01 * found.chi2, n_data=100)), refitted=False)
+    monkeypatch.setattr(alone, "_each_of_them", lambda *_: [])
+    for rows, kind in (([sketch], None), ([sketch, Ranked.of(near)], "point_mass")):
+        monkeypatch.setattr(alone, "judged_anew", lambda *_, rows=rows: rows)
+        less = one_alone(session, found, found)
+        assert (less and less.fit.hypothesis.effects[-1].kind) == kind
 
 
 def test_two_that_are_needed_stay():

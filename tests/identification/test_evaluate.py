@@ -217,3 +217,33 @@ def test_noise_alone_leaves_as_much_as_is_judged(n):
     assert target.n_judged < target.n_data
     assert left @ left == pytest.approx(target.n_judged, rel=0.05)
     assert TimeTarget.of(record, noise).n_judged == TimeTarget.of(record, noise).n_data
+
+
+@pytest.mark.parametrize("unjudged", [0, 40])
+def test_a_constant_that_tells_nothing_changes_nothing(unjudged):
+    record, noise = let_go(REFERENCE, 20.0)
+    zero = 9.81 * np.array([1.0, *[0.0] * (len(record.sensors) - 1)])[:, None]
+    heavy = replace(record, responses=record.responses + zero)
+    free = np.array([True, *[False] * (len(record.sensors) - 1)])
+    still, off, told = (
+        TimeTarget.of(each, noise, unjudged, without)
+        for each, without in ((record, free), (heavy, free), (heavy, None))
+    )
+
+    # Round-off of 9.81 beside the spectrum of the motion.
+    np.testing.assert_allclose(off.measured, still.measured, atol=1e-12 * np.abs(still.measured).max())
+    np.testing.assert_allclose(
+        off.cut(512).measured, still.cut(512).measured, atol=1e-12 * np.abs(still.measured).max()
+    )
+    assert np.abs(told.measured[0] - still.measured[0]).max() > 1e3 * np.sqrt(noise.sensors[0])
+    np.testing.assert_allclose(off.at_its_zero(record.responses), heavy.responses, rtol=1e-12)
+    assert off.n_judged == told.n_judged - 2
+
+
+def test_an_exchanged_or_missing_channel_takes_its_zero_along():
+    record, noise = let_go(REFERENCE, 20.0)
+    free = np.array([True, *[False] * (len(record.sensors) - 1)])
+    target, (one, other, *_) = TimeTarget.of(record, noise, 0, free), record.sensors
+
+    assert target.exchanged(one, other).without_zero.tolist()[:2] == [False, True]
+    assert not target.without(one).without_zero.any()

@@ -15,6 +15,7 @@ from identification.evidence import (
     log_occam,
     log_without,
     probabilities,
+    ranked_together,
     reranked,
     with_evidence,
 )
@@ -72,6 +73,19 @@ def test_what_the_channels_share_speaks_once():
 
     assert first.log_evidence - second.log_evidence == pytest.approx(20.0 / (1.0 + OWN))
     assert again.log_evidence - other.log_evidence == pytest.approx(20.0 / (4.0 + OWN))
+
+
+def test_what_was_ruled_out_stays_as_far_behind_the_best_of_its_own_ranking():
+    def ranking(chi2, behind):
+        rows = with_evidence([ranked(MASS, chi2)])
+        out = Ranked(PointDamping(HERE, damping=1.0), rows[0].fit, refitted=False, log_evidence=0.0)
+        return [*rows, replace(out, log_evidence=rows[0].log_evidence - behind)]
+
+    best, worse, *ruled_out = ranked_together(ranking(1100.0, 3.0), ranking(900.0, 5.0))
+
+    assert (best.fit.chi2, worse.fit.chi2) == (900.0, 1100.0)
+    assert [row.refitted for row in ruled_out] == [False, False]
+    assert [row.log_evidence for row in ruled_out] == pytest.approx([worse.log_evidence - 3.0, best.log_evidence - 5.0])
 
 
 def test_the_evidence_of_a_log_number_is_laplaces():

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rest_records import modes_of
 from trial_records import REFERENCE, evaluator_of, measured, moved, multisine
 
 from identification.at_rest import linear_model
@@ -15,6 +16,7 @@ from identification.fit import fit
 from identification.hypothesis import Hypothesis, with_own_number
 from identification.reached import NOISE_REACHED
 from identification.relearning import carried_through
+from identification.rest_target import ModesTarget
 from identification.session import Session
 from identification.together import off_by
 from models.effects import EFFECTS, Place
@@ -34,8 +36,11 @@ P3 = REFERENCE.sensor("P3")
 ON_P3 = Place(sensor="P3")
 
 
-def looked_at(*effects, own=(), sigmas=None):
-    """What is suspected on two records of the rig with hidden effects, its numbers off within their tolerances."""
+def looked_at(*effects, own=(), sigmas=None, sensors=None, beside=()):
+    """What is suspected on two records of the rig with hidden effects, its numbers off within their tolerances.
+
+    Only some sensors may be of the second record, and FRFs or modes lie beside.
+    """
     n = len(REFERENCE.parameters())
     off = np.random.default_rng(2).standard_normal(n) if sigmas is None else sigmas
     truth = moved(REFERENCE, *off).with_effects(*effects)
@@ -44,6 +49,10 @@ def looked_at(*effects, own=(), sigmas=None):
             truth = with_own_number(truth, record, name, value)
     forces = {"low": multisine(2048, 2, rms=4.0), "high": multisine(2048, 2, rms=20.0, seed=2)}
     evaluator = evaluator_of(*(measured(truth, force, name=name) for name, force in forces.items()), jobs=2)
+    if sensors is not None:
+        low, high = evaluator.timed
+        evaluator = evaluator.with_targets([low.only(sensors[0]), high.only(sensors[1])])
+    evaluator = evaluator.with_targets([*beside, *evaluator.targets])
     given = Hypothesis(REFERENCE)
     base = calibrate(evaluator, given, unknowns_of(given, evaluator))
     there = fit(evaluator, base.hypothesis, base.unknowns, max_iterations=1)
@@ -96,6 +105,23 @@ def test_two_channels_that_agree_when_exchanged_are_named(one, other):
     assert set(seen.kinds(EFFECTS)) == {"sensor_swap"}
     assert pair in seen.beside(REFERENCE)
     assert f"{one} and {other} seem to be exchanged" in seen.words
+
+
+def test_of_two_sensors_the_pair_alone_can_be_seen():
+    pair = Place(sensor="P3", other="P6")
+    assert looked_at(SensorSwap(pair), sensors=[("P3", "P6"), ("P3", "P6")]).channels == (pair,)
+    assert looked_at(SensorGain(ON_P3, gain=1.03), sensors=[("P3", "P6"), ("P3", "P6")]) == NO_SUSPICION
+
+
+def test_a_record_of_the_channel_that_is_left_out_is_left_out_with_it():
+    every = [sensor.name for sensor in REFERENCE.sensors]
+    seen = looked_at(SensorGain(ON_P3, gain=0.01), sensors=[every, ("P3",)])
+    assert seen.channels == (ON_P3,)
+
+
+def test_beside_modes_the_channels_of_the_time_records_are_asked():
+    modes = ModesTarget.of(modes_of(Hypothesis(REFERENCE)))
+    assert looked_at(SensorGain(ON_P3, gain=1.03), beside=[modes]).channels == (ON_P3,)
 
 
 def test_exchanged_sensors_reach_the_noise_of_a_shaking_force():

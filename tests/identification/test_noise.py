@@ -41,6 +41,16 @@ def test_what_does_not_repeat_is_noise():
     assert found.excitation == pytest.approx(truth.excitation, rel=WITHIN)
 
 
+def test_a_period_of_a_few_samples_tells_the_noise_too():
+    force = 20.0 * np.sin(2.0 * np.pi * np.arange(4096) / 5.0)
+    record, truth = measured(Hypothesis(oscillator()), force, noise=0.01, force_noise=0.005)
+
+    found = estimate_noise(record)
+
+    assert "period" in found.method
+    np.testing.assert_allclose(found.sensors, truth.sensors, rtol=WITHIN)
+
+
 def test_the_stopped_band_holds_only_noise():
     record, truth = measured(Hypothesis(oscillator()), sweep(4096), noise=0.01, force_noise=0.01)
 

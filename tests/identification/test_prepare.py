@@ -19,6 +19,7 @@ from identification.prepare import (
     cut_to,
     horizons,
     level,
+    levels,
     prepare,
     resolved,
     start_unknowns,
@@ -130,6 +131,41 @@ def test_a_moving_start_is_unknown(quantity, kinds):
     assert start_unknowns(Hypothesis(oscillator(quantity)), [replace(record, moving_start=False)]) == ()
 
 
+def test_a_sensor_at_the_clamp_says_nothing_of_the_state_at_the_start():
+    at_clamp = Sensor(name="clamp", node=1, position=0.0, quantity="acceleration")
+    rig = REFERENCE.model_copy(update={"sensors": (*REFERENCE.sensors, at_clamp)})
+    record, _ = measured(Hypothesis(REFERENCE), sweep(512), moving_start=True)
+    heard = np.vstack([record.responses, 0.01 * record.responses[:1]])
+    with_clamp = replace(record, sensors=(*record.sensors, "clamp"), responses=heard)
+
+    scales = [
+        [unknown.scale for unknown in start_unknowns(Hypothesis(each), [what])]
+        for each, what in ((REFERENCE, record), (rig, with_clamp))
+    ]
+
+    assert scales[1] == pytest.approx(scales[0])
+
+
+def test_what_a_recorder_reads_at_rest_is_no_motion_where_it_accelerates():
+    record, _ = measured(Hypothesis(oscillator()), sweep(4096), noise=0.01)
+    heavy = replace(record, responses=record.responses + 9.81)
+    still, off = (
+        prepare(Hypothesis(oscillator()), [each], 1, np.random.default_rng(0)).timed[0] for each in (record, heavy)
+    )
+
+    np.testing.assert_allclose(off.measured, still.measured, atol=1e-9 * np.abs(still.measured).max())
+    assert off.noise.sensors == pytest.approx(still.noise.sensors, rel=1e-6)
+
+
+def test_of_driven_records_and_decays_those_are_loud_whose_sensors_are():
+    rows = [(1.0, "quiet"), (30.0, "loud"), (10.0, "decay")]
+    quiet, loud, decay = (measured(Hypothesis(oscillator()), sweep(512, a), name=name)[0] for a, name in rows)
+    found = levels([quiet, loud, replace(decay, excitation=None)])
+
+    assert found == pytest.approx({"quiet": 1.0 / 30.0, "loud": 1.0, "decay": 1.0 / 3.0}, rel=0.05)
+    assert levels([quiet, loud])["loud"] == level(loud)
+
+
 def test_the_start_of_a_mode_above_the_band_is_not_unknown():
     record, _ = measured(Hypothesis(REFERENCE), sweep(512), moving_start=True)
     slow = replace(record, fs=256.0)
@@ -150,7 +186,7 @@ def test_steps_are_halved_until_the_noise_hides_them():
         there = evaluator.responses(truth)[0].channels
         return np.sqrt(np.mean(whitened(scored_spectrum(there - exact), evaluator.targets[0]) ** 2))
 
-    assert fine.settings.steps_per_sample > 1
+    assert fine.settings.times > 1
     assert error(fine) < RESOLVED < error(coarse)
 
 
@@ -159,6 +195,21 @@ def test_steps_that_are_fine_enough_stay():
     evaluator = evaluator_of(measured(truth, sweep(512), noise=0.05))
 
     assert resolved(evaluator, truth) is evaluator
+
+
+def test_steps_are_halved_in_every_record_by_its_own():
+    truth = Hypothesis(REFERENCE)
+    fast, slow = measured(truth, sweep(1024, amplitude=200.0), noise=1e-4), measured(truth, sweep(256), noise=0.05)
+    slow = replace(slow[0], fs=80.0, name="slow"), slow[1]
+    coarse = evaluator_of(fast, slow)
+    before = [response.steps_per_sample for response in coarse.responses(truth)]
+
+    fine = resolved(coarse, truth)
+
+    assert before[1] > 64  # as many as steps of the fast record ever were
+    assert fine.settings.times > 1
+    after = [response.steps_per_sample for response in fine.responses(truth)]
+    assert after == [fine.settings.times * each for each in before]
 
 
 def test_preparing_estimates_and_carries_the_noise():

@@ -136,6 +136,10 @@ def test_an_effect_of_the_rig_is_needed_throughout():
     assert is_needed_throughout(*fits_of(TRUTH.with_effects(HEAVY), TRUTH.with_effects(HEAVY)))
 
 
+def test_a_lone_record_is_not_left_out():
+    assert is_needed_throughout(*fits_of(TRUTH.with_effects(HEAVY)))
+
+
 def test_what_one_record_alone_has_is_not():
     evaluator, less, found = fits_of(TRUTH.with_effects(HEAVY), TRUTH)
 

@@ -69,6 +69,7 @@ ORDER = {
     "squeeze film": (lambda: beam(EFFECTS["squeeze_film"](ON_SLEEVE, damping=18.0)), 2, FINE),
     "Bouc-Wen": (lambda: free_beam(EFFECTS["bouc_wen"](LAST, 5.0, 5e-4, 2.0)), 2, FINE),
     "a bilateral sleeve": (lambda: beam(clearance=0.0), 4, COARSE),
+    "one under Hunt-Crossley": (lambda: beam(clearance=0.0, law="hunt_crossley", damping=5.0), 2, FINE),
     "Coulomb": (lambda: free_beam(EFFECTS["coulomb_friction"](LAST, 3.0, 1e-2)), 4, COARSE),
     "cubic": (lambda: free_beam(EFFECTS["cubic_stiffness"](LAST, 1e9)), 4, COARSE),
 }
@@ -77,7 +78,7 @@ ORDER = {
 @pytest.mark.parametrize("case", ORDER)
 def test_the_observed_order_is_the_declared_one(case):
     """Four where the motion is smooth, until the iteration's tolerance shows; three for forces that have a corner where
-    contact begins; two where they jump, or have an internal state."""
+    contact begins; two where they jump, or their slope in a sleeve without clearance, or have an internal state."""
     make, order, steps = ORDER[case]
     plant = make()
     record = record_of(plant, multisine(FS, N, 3.0, 150.0, 30.0, seed=3), FS)
@@ -153,6 +154,16 @@ def test_a_contact_never_pulls(case):
     assert not trace.contact_forces[np.abs(q) < plant.contacts[0].clearance].any()
     assert (q > 0).any()
     assert (q < 0).any()
+
+
+@pytest.mark.parametrize("law", ["kelvin_voigt", "hunt_crossley", "hertz"])
+def test_a_sleeve_without_clearance_holds_alike_from_below_and_from_above(law):
+    held = {"clearance": 0.0, "law": law, "damping": 20.0, **({"stiffness": 1e7} if law == "hertz" else {})}
+    plant = build_plant(rig_with(sleeve(0.45, **held), sleeve(1.0, **held), gravity=0.0))
+    up, down = (moved(plant, 0.3, 16384.0, (side * 0.2, side * 0.1))[1] for side in (1.0, -1.0))
+    # The stepper's iteration ends at 1e-9 of the motion, on either side.
+    np.testing.assert_allclose(down, -up, atol=1e-6 * np.abs(up).max())
+    assert np.abs(up[:, -1000:]).max() < 0.9 * np.abs(up[:, :1000]).max()
 
 
 def test_at_rest_nothing_moves():

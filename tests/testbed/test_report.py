@@ -18,7 +18,8 @@ from models.rig import Excitation, Oscillator, Rig, Sensor
 from models.rig_file import read_rig
 from testbed.report import Provenance, provenance, write_report
 from testbed.report.budget_rows import budget_table
-from testbed.report.figures import panels_of, shown_records
+from testbed.report.figures import shown_records
+from testbed.report.place_figure import panels_of
 from testbed.report.rows import rig_pulls
 from testbed.report.words import chance, headline, number, percent, with_std
 

@@ -12,7 +12,7 @@ from identification.locating.located import Curve, FreedChannel, Located, Placed
 from models.rig_file import read_rig
 from testbed.loop import diagnosis_json
 from testbed.report import provenance, write_report
-from testbed.report.figures import place_picture
+from testbed.report.place_figure import place_picture
 from testbed.report.words import second_line
 
 RIG = Path("tests/data/reference_rig.toml")
@@ -71,6 +71,7 @@ def test_the_caption_speaks_of_no_force_where_none_is_drawn(diagnosis):
         for shape in (made_up_place().shape, None)
     )
     assert "Below: the force" in drawn.caption
+    assert "its course in the record where it is largest" in drawn.caption
     assert bare.caption.startswith("How much of the misfit")
     assert "Below" not in bare.caption
 

@@ -54,6 +54,18 @@ def test_on_a_linear_beam_a_known_force_is_found_and_followed():
         assert abs(np.vdot(*spectra)) / np.prod([np.linalg.norm(row) for row in spectra]) > 0.99
 
 
+def test_records_of_some_sensors_in_another_order_tell_the_place_by_those_in_common():
+    pairs = records_of(Hypothesis(REFERENCE, effects=(CoulombFriction(SLEEVE_2, 2.0, 1e-3),)))
+    first, second = evaluator_of(*pairs).timed
+    names = first.record.sensors
+    evaluator = evaluator_of(*pairs).with_targets([first.without(names[0]), second.only([*names[::-1]][:-2])])
+
+    found = locate(evaluator, Hypothesis(REFERENCE))
+
+    assert found.sleeve == "sleeve 2"
+    assert tuple(channel.sensor for channel in found.channels) == names[2:]
+
+
 CASES = {
     "rubbing at a sleeve": (CoulombFriction(SLEEVE_2, 2.0, 1e-3), "velocity", "odd, of the same size"),
     "rubbing elsewhere": (CoulombFriction(Place(position=0.8), 2.0, 1e-3), "velocity", "odd, of the same size"),

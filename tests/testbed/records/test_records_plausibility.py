@@ -3,7 +3,7 @@ import pytest
 from a_rig_and_its_records import a_rig, noise
 
 from models.beam.clamped_free import clamped_free_modes
-from testbed.records.plausibility import find_faults, white_rms
+from testbed.records.plausibility import find_faults, own_zeros, white_rms
 
 LENGTH = 1.469
 N = 4096
@@ -86,6 +86,19 @@ def test_different_quantities_are_not_compared():
     )
     responses = {f"S{i}": (1.0 if i < 3 else 1e-6) * noise(i, N) for i in range(6)}
     assert faults(rig, responses) == []
+
+
+@pytest.mark.parametrize(("quantity", "told"), [("acceleration", True), ("displacement", False)])
+def test_what_an_accelerometer_reads_at_rest_is_told(quantity, told):
+    rig = placed(0.3, 0.9, quantity=quantity)
+    responses = in_mode(rig, 1)
+    assert own_zeros(responses, rig) == []
+
+    responses["S1"] = responses["S1"] + 9.81
+
+    mean = responses["S1"].mean()
+    words = f"the mean of S1 ({mean:.3g} m/s^2) is taken for the sensor's own zero, or gravity's share, and not judged"
+    assert own_zeros(responses, rig) == ([words] if told else [])
 
 
 def test_white_noise_is_measured_in_the_stopped_band():
