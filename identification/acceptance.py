@@ -17,9 +17,19 @@ from identification.fit import Fit, fit
 from identification.hypothesis import effect_unknowns
 from identification.noise_left import NOISE_NEAR
 from identification.outcome import AT_REST_ONLY
-from identification.reached import NOISE_DOUBTED, NOISE_REACHED, is_as_near_as_models, missed, reaches_noise
+from identification.reached import (
+    EXPLAINED_FAR,
+    EXPLAINED_NEAR,
+    NEARLY_ALL,
+    NOISE_DOUBTED,
+    NOISE_REACHED,
+    is_as_near_as_models,
+    is_faint,
+    missed,
+    reaches_noise,
+    takes_away,
+)
 from identification.result import Verdict
-from identification.rounds import takes_away
 from identification.scatter import is_needed_throughout
 from identification.session import Session
 from identification.tangent_ties import is_linear
@@ -31,15 +41,6 @@ noise, or reaches it."""
 
 LATER_SHARE = 0.6
 """The same for further effects, unless they reach the noise: what is left may be a shape that no simple law has."""
-
-FAINT, NEARLY_ALL = 1.04, 0.8
-"""Residual over noise, reached with an effect, from which on another is looked for beside it, and the share of what is
-left that it must take away: records that repeat know their noise to a hundredth or two, others to a tenth, but hardly
-any effect takes away what the noise was told wrongly by, or what two ways to compute the same rig differ by."""
-
-EXPLAINED_NEAR, EXPLAINED_FAR = 0.9, 0.97
-"""Share of the squared misfit beyond the noise that the effects must take away where the noise is not reached: a law
-outside the library finds an imitation in it that takes away most, the right one leaves what all models miss."""
 
 FAR_FROM_NOISE, FAR_FROM_MOTION = 10.0, 0.1
 """Residual over noise, and error as a share of the motion, above both of which nothing is a diagnosis, however large
@@ -62,7 +63,7 @@ def is_enough(session: Session, result: Fit) -> bool:
 
 def is_explained(session: Session, result: Fit) -> bool:
     """It is enough, and beside its effects so little more than the noise is left that no other is looked for."""
-    return is_enough(session, result) and not (result.hypothesis.effects and result.ratio > FAINT)
+    return is_enough(session, result) and not (result.hypothesis.effects and is_faint(session.fitting, result))
 
 
 def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | None:

@@ -18,8 +18,8 @@ from identification.hypothesis import Hypothesis
 from identification.judge import finals
 from identification.look import View, beside
 from identification.prepare import cut_to
-from identification.reached import reaches_noise
-from identification.rounds import SCREEN_SECONDS, takes_away, told_apart
+from identification.reached import reaches_noise, takes_away
+from identification.rounds import SCREEN_SECONDS, told_apart
 from identification.session import Session
 
 NEAR_THE_TRUTH = 3.0

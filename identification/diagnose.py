@@ -19,6 +19,7 @@ from identification.alone import one_alone
 from identification.anew import looked_for_anew
 from identification.assess import with_starts
 from identification.calibrate import calibrate, strained, unknowns_of
+from identification.carried import carried_by_best
 from identification.conclude import concluded, one_set_of_numbers, settled
 from identification.established import NO_LAW
 from identification.evaluate import carry_noise
@@ -102,12 +103,7 @@ def diagnose(
             chain, rounds = everything_again(session, chain, rounds)
         if len(chain[-1].hypothesis.effects) >= most_effects or is_explained(session, chain[-1]):
             break
-        ranked, better = look_round(session, chain[-1])
-        beginnings = beginnings_of(session, ranked)
-        if shorten(session, beginnings):
-            chain, (*rounds, ranked) = everything_again(session, chain, [*rounds, ranked])
-            better = None
-        ranked = refitted_from(session, beginnings, ranked)
+        chain, rounds, ranked, better = _looked(session, chain, rounds)
         if better is not None and not chain[-1].hypothesis.effects:
             session.decide(f"a better calibration was found on the way: residual {better.ratio:.2f} times the noise")
             learnt = relearn(session, better)
@@ -117,6 +113,7 @@ def diagnose(
                 continue
             if learnt is not better:
                 ranked, _ = look_round(session, learnt)
+        chain, (*rounds, ranked) = carried_by_best(session, chain, [*rounds, ranked])
         rounds.append(told_apart(session, with_other_starts(session, chain[-1], ranked)))
         chain, rounds = reweigh(session, chain, rounds)
         chosen = accepted(session, chain[-1], rounds[-1])
@@ -143,6 +140,24 @@ def _calibrated(session: Session, started: Hypothesis) -> Fit:
         base = relearn(session, session.resolve(base))
         if base.ratio <= NOISE_REACHED or first is None or not shorten(session, [first]):
             return base
+
+
+def _looked(
+    session: Session, chain: list[Fit], rounds: list[list[Ranked]]
+) -> tuple[list[Fit], list[list[Ranked]], list[Ranked], Fit | None]:
+    """The models and rounds, what is ranked beside the last model, and a better calibration where that was found.
+
+    All are fitted anew where looking has changed the noise, or how much of the records can be followed.
+    """
+    before = session.fitting
+    ranked, better = look_round(session, chain[-1])
+    if session.fitting is not before:
+        chain, rounds = everything_again(session, chain, rounds)
+    beginnings = beginnings_of(session, ranked)
+    if shorten(session, beginnings):
+        chain, (*rounds, ranked) = everything_again(session, chain, [*rounds, ranked])
+        better = None
+    return chain, rounds, refitted_from(session, beginnings, ranked), better
 
 
 def _better(session: Session, base: Fit, first: Fit) -> Fit:
@@ -270,9 +285,7 @@ def _carried(session: Session, base: Fit) -> Fit:
     carried = carry_noise(session.everything, base.hypothesis, np.random.default_rng(session.seed))
     pairs = zip(session.everything.targets, carried, strict=True)
     session.everything = session.everything.with_targets([min(pair, key=lambda t: t.nrmse_of_noise) for pair in pairs])
-    whole = {target.record.name: target for target in session.everything.timed}
-    parts = [whole[part.record.name].cut(part.record.n_samples) for part in session.fitting.timed]
-    quieter = session.fitting.with_targets([*session.fitting.at_rest, *parts])
+    quieter = session.parts_of(session.everything)
     if quieter.nrmse_of_noise * CLEARLY_LOUDER > session.fitting.nrmse_of_noise:
         return base
     session.decide(

@@ -227,6 +227,15 @@ class TimeTarget:
         tells = np.abs(self.measured) ** 2 / self.density
         return float(1.0 + (1.0 - np.average(own, weights=tells)) * (len(self.measured) - 1))
 
+    @cached_property
+    def strays(self) -> float:
+        """Standard deviation of residual over noise in one record, by what impacts make of the excitation's noise."""
+        if not len(self.carried):
+            return 0.0
+        own = self.with_noise(self.noise).density
+        powers = [np.abs(scored_spectrum(each)) ** 2 / each.shape[1] for each in self.carried]
+        return float(np.std([np.sqrt(np.mean((own + power) / self.density)) for power in powers]))
+
     @property
     def nrmse_of_noise(self) -> float:
         """NRMSE that the noise alone leaves."""
@@ -383,6 +392,11 @@ class Evaluator:
         """How many times a sum over channels counts noise at most, over all records."""
         counts = [target.repeats if isinstance(target, TimeTarget) else 1.0 for target in self.targets]
         return float(np.average(counts, weights=[target.n_data for target in self.targets]))
+
+    @cached_property
+    def strays(self) -> float:
+        """Standard deviation of residual over noise, by what impacts make of the excitation's noise in each record."""
+        return float(np.linalg.norm([target.strays * target.n_data for target in self.timed])) / self.n_data
 
     @property
     def extent(self) -> str:

@@ -1,6 +1,6 @@
 """Which effect is missing? Look for suspects, refit the best with all numbers, rank them by evidence."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from identification.calibrate import beginning, calibrate, pulled, set_in_motion
@@ -17,6 +17,7 @@ from identification.in_its_place import (
 )
 from identification.in_step import tried_with
 from identification.look import View, afar, beside
+from identification.noise_left import NOISE_NEAR
 from identification.onset import of_whole
 from identification.progress import Progress
 from identification.sketch import (
@@ -39,6 +40,7 @@ def judge(
     fitting: Evaluator,
     base: Fit,
     progress: Progress,
+    is_noise: Callable[[Fit], bool] = lambda _: False,
 ) -> list[Ranked]:
     """All effects worth a refit, the one with the most evidence first.
 
@@ -48,6 +50,7 @@ def judge(
         fitting: records to refit on.
         base: the calibrated model on those.
         progress: told what is being done.
+        is_noise: whether what a fit leaves is noise that was told too low.
     """
     instant = next((view for view in views if not view.is_lasting), None)
     lasting = [view for view in views if view.is_lasting]
@@ -72,7 +75,7 @@ def judge(
             sketches += [sketch for view in lasting for sketch in beside(view, base, progress)]
             lasting = []
         ranked = _weighed(ranked, sketches, fitting, base, kinds, progress)
-        if ranked and ranked[0].fit.ratio < EXPLAINED:
+        if ranked and (ranked[0].fit.ratio < EXPLAINED or is_noise(ranked[0].fit)):
             return ranked
     # What reached the noise in the seconds of its view does not in all that is fitted.
     sketches = [sketch for view in lasting for sketch in beside(view, base, progress)]
@@ -142,7 +145,7 @@ def finals(
         result = refit(fitting, base, found.effects[-1], found.values)
         if result is not None:
             ranked.append(Ranked.of(result, sketch=sketch.fit))
-            if result.ratio < min(CLOSE_ENOUGH, leader[1].ratio if leader else CLOSE_ENOUGH):
+            if _leads(result, sketch) and (leader is None or result.ratio < leader[1].ratio):
                 leader = (sketch, result)
     ordered = with_others_there(fitting, base, with_evidence(ranked), registry, progress)
     for fit_there, farther in beaten:
@@ -150,6 +153,14 @@ def finals(
         evidence = ordered[0].log_evidence - behind
         ordered.append(Ranked(fit_there.hypothesis.effects[-1], fit_there, refitted=False, log_evidence=evidence))
     return ordered
+
+
+def _leads(result: Fit, sketch: Sketch) -> bool:
+    """Whether a refit reaches the noise, or comes near it where its sketch has.
+
+    Records longer than those of the sketch hold more of what impacts make of the force's noise.
+    """
+    return result.ratio < CLOSE_ENOUGH or (result.ratio < NOISE_NEAR and sketch.fit.ratio < CLOSE_ENOUGH)
 
 
 def _is_out(sketch: Sketch, best: Sketch) -> bool:

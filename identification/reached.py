@@ -31,6 +31,29 @@ NOISE_DOUBTED = 1.25
 """Residual over noise up to which what nothing in the library explains may be the noise estimate's own error."""
 
 
+FAINT, NEARLY_ALL = 1.04, 0.8
+"""Residual over noise, reached with an effect, from which on another is looked for beside it, and the share of what is
+left that it must take away: records that repeat know their noise to a hundredth or two, others to a tenth, but hardly
+any effect takes away what the noise was told wrongly by, or what two ways to compute the same rig differ by."""
+
+STRAYS = 2.0
+"""Standard deviations by which what impacts make of the force's noise in one record may lie above its mean."""
+
+EXPLAINED_NEAR, EXPLAINED_FAR = 0.9, 0.97
+"""Share of the squared misfit beyond the noise that the effects must take away where the noise is not reached: a law
+outside the library finds an imitation in it that takes away most, the right one leaves what all models miss."""
+
+
+def is_faint(evaluator: Evaluator, result: Fit) -> bool:
+    """Whether a model leaves more than the noise, by as little as tells of an effect more beside those found.
+
+    Args:
+        evaluator: records of the fit.
+        result: of them.
+    """
+    return result.ratio > max(FAINT, 1.0 + STRAYS * evaluator.strays)
+
+
 def is_as_near_as_models(evaluator: Evaluator, result: Fit) -> bool:
     """Whether a model misses no more of any time record's motion than two models of the same rig miss of each other's.
 
@@ -54,6 +77,11 @@ def _strikes(evaluator: Evaluator, hypothesis: Hypothesis) -> bool:
     traces = [response.trace for response in evaluator.responses(hypothesis, replace(evaluator.settings, trace=True))]
     touching = [trace.contact_forces != 0.0 for trace in traces if trace is not None]
     return any(bool((each.any(axis=1) & ~each.all(axis=1)).any()) for each in touching)
+
+
+def takes_away(base: Fit, found: Fit) -> float:
+    """Share of the misfit beyond the noise."""
+    return (base.cost - found.cost) / max(base.cost - base.n_data, 1.0)
 
 
 def missed(evaluator: Evaluator, result: Fit) -> float:

@@ -4,12 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from identification.evaluate import carry_noise
 from identification.evidence import Ranked, reweighed
 from identification.fit import Fit, fit
 from identification.noise import Noise
 from identification.noise_left import noise_left, noise_uncovered, with_noise
-from identification.reached import NOISE_REACHED
 from identification.session import Session
 
 MOST_LOWERINGS = 3
@@ -44,29 +42,6 @@ def relearn(session: Session, result: Fit, *, uncover: bool = False) -> Fit:
         session.relearnt = True
         result = session.resolve(fit(session.fitting, result.hypothesis, result.unknowns, precise=True))
     return result
-
-
-def carried_through(session: Session, ranked: list[Ranked]) -> list[Ranked]:
-    """The ranking with the excitation's noise carried through its best model, if only then the noise is reached.
-
-    A sensor that reads what another should also has the other's share of that noise.
-
-    Args:
-        session: its noise is changed where that is so.
-        ranked: faults of the measurement.
-    """
-    if not ranked or ranked[0].fit.ratio <= NOISE_REACHED:
-        return ranked
-    before, model = (session.everything, session.fitting), ranked[0].fit.hypothesis
-    for_both = [np.random.default_rng(session.seed) for _ in before]
-    session.everything, session.fitting = (
-        each.with_targets(carry_noise(each, model, rng)) for each, rng in zip(before, for_both, strict=True)
-    )
-    _, (again,) = everything_again(session, [], [ranked])
-    if again[0].fit.ratio <= NOISE_REACHED:
-        return again
-    session.everything, session.fitting = before
-    return ranked
 
 
 def reweigh(session: Session, chain: list[Fit], rounds: list[list[Ranked]]) -> tuple[list[Fit], list[list[Ranked]]]:

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from identification.calibrate import concerning
+from identification.carried import carried_through, louder_by
 from identification.elsewhere import elsewhere
 from identification.evaluate import Evaluator
 from identification.evidence import (
@@ -19,7 +20,6 @@ from identification.look import View
 from identification.onset import goes_on, onset_of
 from identification.prepare import cut_to
 from identification.reached import NOISE_REACHED
-from identification.relearning import carried_through
 from identification.session import Session
 from identification.tangent_ties import tied
 from models.effects import Registry
@@ -46,7 +46,9 @@ def look_round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
         views = [_where_it_shows(session, searching, base, first)]
         if lasting:
             views.append(_view(session, searching, base, lasting, TIME_SECONDS, 1))
-        ranked = judge(views, session.fitting, base, session.progress)
+        ranked = judge(
+            views, session.fitting, base, session.progress, lambda found: louder_by(session, base, found) is not None
+        )
     return (ranked, _recalibrated(session, base, ranked[0].fit)) if ranked else ([], None)
 
 
@@ -79,11 +81,6 @@ def _where_it_shows(session: Session, searching: Evaluator, base: Fit, view: Vie
     names = ", ".join(target.record.name for target in evaluator.timed)
     session.decide(f"the misfit shows late: suspects are looked for in {names} on")
     return moved
-
-
-def takes_away(base: Fit, found: Fit) -> float:
-    """Share of the misfit beyond the noise."""
-    return (base.cost - found.cost) / max(base.cost - base.n_data, 1.0)
 
 
 def _recalibrated(session: Session, base: Fit, found: Fit) -> Fit | None:

@@ -108,6 +108,16 @@ class Session:
         self.decide(f"steps {finer.settings.times} times as short: longer ones stood above the noise")
         return fit(finer, result.hypothesis, result.unknowns, precise=True)
 
+    def parts_of(self, everything: Evaluator) -> Evaluator:
+        """What is fitted, of whole records with another noise.
+
+        Args:
+            everything: the same records.
+        """
+        whole = {target.record.name: target for target in everything.timed}
+        parts = [whole[part.record.name].cut(part.record.n_samples) for part in self.fitting.timed]
+        return self.fitting.with_targets([*self.fitting.at_rest, *parts])
+
     def to_the_end(self, result: Fit) -> Fit:
         """A fit of everything that can be predicted: in a flat valley intervals are right only at its bottom.
 

@@ -20,8 +20,7 @@ from identification.evidence import (
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, Unknown, effect_unknowns, own_unknowns
 from identification.progress import Progress
-from identification.reached import NOISE_REACHED
-from identification.rounds import takes_away
+from identification.reached import NOISE_REACHED, takes_away
 from identification.scene import places_of
 from identification.screen import BETWEEN, Projection
 from identification.stepped_sine.balance import Balance

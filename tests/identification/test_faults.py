@@ -9,13 +9,13 @@ from trial_records import REFERENCE, evaluator_of, measured, moved, multisine
 
 from identification.at_rest import linear_model
 from identification.calibrate import calibrate, unknowns_of
+from identification.carried import carried_through
 from identification.evaluate import carry_noise
 from identification.evidence import Ranked
 from identification.faults import NO_SUSPICION, suspicion
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, with_own_number
 from identification.reached import NOISE_REACHED
-from identification.relearning import carried_through
 from identification.rest_target import ModesTarget
 from identification.session import Session
 from identification.together import off_by

@@ -101,9 +101,10 @@ def refitted(sketches):
     return finals(sketches, evaluator, BASE, {}, lambda _: None)
 
 
-def test_when_the_first_reaches_the_noise_those_far_off_are_not_refitted(refits):
+@pytest.mark.parametrize("left", [1.0, 1.3])
+def test_when_the_first_or_its_sketch_reaches_the_noise_those_far_off_are_not_refitted(refits, left):
     ratios, asked = refits
-    ratios.update(point_mass=1.0, point_damping=3.0)
+    ratios.update(point_mass=left, point_damping=3.0)
     first, last = sketch(MASS, 0.9), sketch(PointDamping(HERE, damping=1.0), 1.0 - 0.1 * 1.1 * RULED_OUT**2)
 
     rows = refitted([first, last])

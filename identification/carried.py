@@ -1,0 +1,82 @@
+"""The noise of the measured excitation as the model carries it that explains the records, instead of the given one."""
+
+import numpy as np
+
+from identification.evaluate import Evaluator, carry_noise
+from identification.evidence import Ranked
+from identification.fit import Fit
+from identification.noise_left import NOISE_NEAR
+from identification.reached import EXPLAINED_NEAR, NOISE_REACHED, is_faint, takes_away
+from identification.relearning import everything_again
+from identification.session import Session
+
+
+def carried_through(session: Session, ranked: list[Ranked]) -> list[Ranked]:
+    """The ranking with the excitation's noise carried through its best model, if only then the noise is reached.
+
+    A sensor that reads what another should also has the other's share of that noise.
+
+    Args:
+        session: its noise is changed where that is so.
+        ranked: faults of the measurement.
+    """
+    if not ranked or ranked[0].fit.ratio <= NOISE_REACHED:
+        return ranked
+    before, model = (session.everything, session.fitting), ranked[0].fit.hypothesis
+    for_both = [np.random.default_rng(session.seed) for _ in before]
+    session.everything, session.fitting = (
+        each.with_targets(carry_noise(each, model, rng)) for each, rng in zip(before, for_both, strict=True)
+    )
+    _, (again,) = everything_again(session, [], [ranked])
+    if again[0].fit.ratio <= NOISE_REACHED:
+        return again
+    session.everything, session.fitting = before
+    return ranked
+
+
+def carried_by_best(
+    session: Session, chain: list[Fit], rounds: list[list[Ranked]]
+) -> tuple[list[Fit], list[list[Ranked]]]:
+    """The fits on the excitation's noise as the best model of the last round carries it, if that reaches the noise.
+
+    A rig whose walls are touched sooner than its file says trembles more at a noisy force, and would seem to lack more
+    than what was found. A model that trembles at anything does not excuse itself: it has explained the rest.
+
+    Args:
+        session: its noise is changed where that is so.
+        chain: the models so far.
+        rounds: effects ranked in each round.
+    """
+    best = rounds[-1][0].fit if rounds[-1] and rounds[-1][0].refitted else chain[-1]
+    louder = louder_by(session, chain[0], best)
+    if louder is None:
+        return chain, rounds
+    parts = session.parts_of(louder)
+    session.decide(
+        f"the force's noise, as {best.hypothesis.effects[-1].label()} carries it, leaves {parts.nrmse_of_noise:.2%} "
+        f"instead of {session.fitting.nrmse_of_noise:.2%}: all models fitted and weighed again on that"
+    )
+    session.everything, session.fitting = louder, parts
+    return everything_again(session, chain, rounds)
+
+
+def louder_by(session: Session, base: Fit, found: Fit) -> Evaluator | None:
+    """All records with the excitation's noise as a model carries it, if that is what the model leaves; or None.
+
+    Args:
+        session: with the records.
+        base: a model that lacks what this one has.
+        found: which explains nearly all that the other leaves, and comes near the noise.
+    """
+    far = found.ratio > NOISE_NEAR or not is_faint(session.fitting, found)
+    if far or takes_away(base, found) < EXPLAINED_NEAR:
+        return None
+    rng = np.random.default_rng(session.seed)
+    louder = session.everything.with_targets(carry_noise(session.everything, found.hypothesis, rng, REALISATIONS))
+    parts = session.parts_of(louder)
+    (residual,) = parts.residuals([(found.hypothesis, None)])
+    return louder if residual is not None and residual @ residual <= NOISE_REACHED**2 * parts.n_judged else None
+
+
+REALISATIONS = 16
+"""Of noise that impacts amplify: where it is large, four tell its power to a third only."""

@@ -1,0 +1,58 @@
+"""The force's noise as the model carries it that explains the records, where the given one carries less."""
+
+import numpy as np
+import pytest
+from trial_records import REFERENCE, evaluator_of, measured, multisine
+
+from identification.carried import carried_by_best, louder_by
+from identification.evaluate import carry_noise
+from identification.evidence import Ranked
+from identification.fit import fit
+from identification.hypothesis import Hypothesis, effect_unknowns
+from identification.reached import is_faint
+from identification.session import Session
+from models.effects import EFFECTS, Place
+from models.effects.modal_damping import ModalDamping
+from models.effects.point_mass import PointMass
+
+GIVEN = Hypothesis(REFERENCE.model_copy(update={"sleeves": (), "tolerances": {}}))
+RINGING = GIVEN.with_effects(ModalDamping(Place(), ratio=0.2))
+
+
+@pytest.fixture(scope="module")
+def heard():
+    """A rig that rings longer than its file says, under a noisy force: by the file it carries too little of that."""
+    evaluator = evaluator_of(measured(RINGING, multisine(8192, rms=4.0), force_noise=0.05), rig=GIVEN.rig)
+    return evaluator.with_targets(carry_noise(evaluator, GIVEN, np.random.default_rng(0)))
+
+
+def fits_of(evaluator, model=RINGING):
+    base = fit(evaluator, GIVEN, ())
+    return base, fit(evaluator, model, effect_unknowns(model, places=False), precise=True)
+
+
+def session_of(evaluator):
+    return Session(evaluator, evaluator, [], EFFECTS, lambda _: None, 0)
+
+
+def test_the_noise_is_that_which_the_right_model_carries(heard):
+    session, (base, found) = session_of(heard), fits_of(heard)
+    assert is_faint(heard, found)
+
+    (_, again), ((row,),) = carried_by_best(session, [base, found], [[Ranked.of(found)]])
+
+    assert again.ratio == pytest.approx(1.0, abs=0.03)
+    assert row.fit.ratio == pytest.approx(1.0, abs=0.03)
+    assert session.fitting.nrmse_of_noise > 1.1 * heard.nrmse_of_noise
+    assert "as modal_damping carries it" in session.decisions[-1]
+    assert louder_by(session, base, again) is None  # nothing is left to be noise
+
+
+def test_what_has_not_explained_the_rest_excuses_nothing(heard):
+    session, (base, found) = session_of(heard), fits_of(heard)
+    imitation = fit(heard, GIVEN.with_effects(PointMass(Place(position=0.7), mass=0.05)), ())
+
+    assert louder_by(session, base, imitation) is None
+    assert louder_by(session, found, found) is None
+    assert carried_by_best(session, [base, imitation], [[]]) == ([base, imitation], [[]])
+    assert session.decisions == []
