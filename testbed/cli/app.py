@@ -30,7 +30,7 @@ from testbed.cli import (
     sweep,
     undo,
 )
-from testbed.cli.usage import usage_words
+from testbed.cli.usage import FiniteCommand, usage_words
 
 app = typer.Typer(name="testbed", add_completion=False, pretty_exceptions_enable=False)
 
@@ -53,7 +53,7 @@ for module, command in (
     (crosscheck, crosscheck.crosscheck),
     (effects, effects.effects),
 ):
-    app.command(epilog=module.EXAMPLE)(command)
+    app.command(cls=FiniteCommand, epilog=module.EXAMPLE)(command)
 app.add_typer(study.study, name="study")
 app.add_typer(benchmark.benchmark, name="benchmark")
 

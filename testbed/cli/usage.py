@@ -1,7 +1,12 @@
 """A wrong option or argument in three parts, whatever the library that reads the command line says of it."""
 
 from collections.abc import Callable, Mapping
+from math import isfinite
 from typing import Any
+
+from typer.core import TyperCommand
+
+from models.errors import InputError
 
 NUMBERS = {"float": "a number", "int": "a whole number"}
 
@@ -15,6 +20,27 @@ RULES: dict[str, Callable[[Mapping[str, Any]], str]] = {
     ),
 }
 """What a value has to be, by the kind of its fault."""
+
+
+class FiniteCommand(TyperCommand):
+    """A command whose numbers are finite: ``nan`` and ``inf`` read as numbers, and no computation survives them."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run it.
+
+        Raises:
+            InputError: an option that is no number.
+        """
+        for option in self.params:
+            value = ctx.params.get(option.name or "")
+            numbers = value if isinstance(value, list | tuple) else [value]
+            for wrong in (number for number in numbers if isinstance(number, float) and not isfinite(number)):
+                raise InputError(
+                    f"{ctx.command_path}: {option.opts[0]} {wrong}",
+                    "a number is finite",
+                    f"correct it, or see {ctx.command_path} --help",
+                )
+        return super().invoke(ctx)
 
 
 def usage_words(error: BaseException) -> str:

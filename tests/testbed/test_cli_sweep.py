@@ -38,6 +38,8 @@ def test_levels_bend_and_the_backbone_follows(tmp_path, capsys):
         (["--amplitude", "1", "--from", "9", "--to", "5"], "a band from 9 to 5 Hz"),
         (["--amplitude", "1", "--from", "5", "--to", "500"], "raise --up-to"),
         (["--amplitude", "0", *BAND], "amplitude above 0"),
+        (["--amplitude", "1", "--amplitude", "inf", *BAND], "testbed sweep: --amplitude inf; a number is finite; "),
+        (["--amplitude", "1", "--from", "nan", "--to", "5"], "testbed sweep: --from nan; a number is finite; "),
         (["--amplitude", "1", *BAND, "--sensor", "P99"], "P99"),
     ],
 )
