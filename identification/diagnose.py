@@ -19,10 +19,9 @@ from identification.alone import one_alone
 from identification.anew import looked_for_anew
 from identification.assess import with_starts
 from identification.calibrate import calibrate, strained, unknowns_of
-from identification.carried import carried_by_best
+from identification.carried import carried_by_best, carried_by_calibrated
 from identification.conclude import concluded, one_set_of_numbers, settled
 from identification.established import NO_LAW
-from identification.evaluate import carry_noise
 from identification.evidence import Ranked
 from identification.exchange import exchanged
 from identification.fewer import with_fewer
@@ -37,7 +36,7 @@ from identification.reached import NOISE_REACHED
 from identification.relearning import everything_again, fitted_again, relearn, reweigh
 from identification.result import Diagnosis, Stage, Verdict
 from identification.rounds import look_round, told_apart, with_other_starts
-from identification.session import CLEARLY_LOUDER, Session
+from identification.session import Session
 from identification.sight import beginnings_of, explained_beginning, refitted_from, shorten
 from identification.together import wholly_off
 from models.effects import EFFECTS, Registry
@@ -96,7 +95,7 @@ def diagnose(
     base = _calibrated(session, replace(started, starts={}))  # beside the numbers as given other states fit best
     session.decide(_calibration_in_words(base))
     stages.append(session.stage("calibrated", base.hypothesis))
-    chain: list[Fit] = [_carried(session, base)]
+    chain: list[Fit] = [carried_by_calibrated(session, base)]
     rounds: list[list[Ranked]] = []
     for _ in range(MOST_ROUNDS):
         if is_enough(session, chain[-1]) and session.lengthen(chain[-1]):
@@ -275,25 +274,6 @@ def _open(
     if not everything.timed:
         session.decide(f"{AT_REST_ONLY}: laws are seen by their tangents, and effects in time not at all")
     return session
-
-
-def _carried(session: Session, base: Fit) -> Fit:
-    """The fit with the excitation's noise as its model carries it, where that is less than so far.
-
-    A model with wrong numbers may tremble at what leaves the structure cold; none carries less than the truth for long.
-    """
-    carried = carry_noise(session.everything, base.hypothesis, np.random.default_rng(session.seed))
-    pairs = zip(session.everything.targets, carried, strict=True)
-    session.everything = session.everything.with_targets([min(pair, key=lambda t: t.nrmse_of_noise) for pair in pairs])
-    quieter = session.parts_of(session.everything)
-    if quieter.nrmse_of_noise * CLEARLY_LOUDER > session.fitting.nrmse_of_noise:
-        return base
-    session.decide(
-        f"the force's noise, as the calibrated model carries it, leaves {quieter.nrmse_of_noise:.2%} instead of "
-        f"{session.fitting.nrmse_of_noise:.2%}"
-    )
-    session.fitting = quieter
-    return fit(quieter, base.hypothesis, base.unknowns, precise=True)
 
 
 def _calibration_in_words(base: Fit) -> str:

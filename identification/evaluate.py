@@ -69,7 +69,7 @@ class TimeTarget:
         unjudged: samples at the start of a record, or of a later part of one, that was in motion before: the recorder
             saw that and the model does not.
         without_zero: (n,) whether the mean of a channel tells nothing: what a sensor of acceleration reads at rest is
-            its own, and gravity's. Empty where each channel counts from rest.
+            its own, and gravity's.
     """
 
     record: Record
