@@ -50,12 +50,14 @@ class Follower:
         accuracy: share of the ports' motion that harmonics left out may have.
         judged: whether stability is asked for.
         most_points: after which it stops.
+        first_step: in the curve's own units; the lengths of all others follow from it.
     """
 
     problem: Problem
     accuracy: float
     judged: bool
     most_points: int
+    first_step: float = STEPS[1]
 
     def follow(self, start: Motion, progress: Callable[[str], None], sign: float = 1.0) -> PeriodicCurve:
         """From a motion near the curve's beginning until it leaves its span.
@@ -77,7 +79,7 @@ class Follower:
                 f"no periodic motion was found at {start.omega / (2 * np.pi):.4g} Hz and an amplitude of "
                 f"{start.amplitude:.4g}, where the curve is to begin; begin further from a resonance, or lower"
             )
-        step, bend, ended = STEPS[1], np.zeros(0), ""
+        step, bend, ended = self.first_step, np.zeros(0), ""
         found = self._refined(first)
         point, kept = found.point, [self._kept(found)]
         while len(kept) < self.most_points:

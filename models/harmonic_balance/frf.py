@@ -7,6 +7,7 @@ import numpy as np
 
 from models.arrays import ComplexArray, FloatArray
 from models.errors import DivergenceError, InputError
+from models.harmonic_balance.continuation import STEPS
 from models.harmonic_balance.curve import PeriodicCurve
 from models.harmonic_balance.equations import Equations
 from models.harmonic_balance.follow import HARMONICS, Follower
@@ -146,13 +147,49 @@ def _followed(
     judge_stability: bool = True,
     progress: Callable[[str], None] = lambda _: None,
 ) -> PeriodicCurve:
-    """The curve from where it begins until it leaves the band, at either end."""
-    follower = Follower(replace(begun.problem, omega=None), accuracy, judge_stability, MOST_POINTS)
+    """The curve from where it begins until it leaves the band, at either end.
+
+    Where a wall is just touched a curve has a corner, at which it may pass its own earlier part within a step, and
+    round-off decides whether it is followed on or back. One that ran back on itself is followed again in other steps.
+    """
     sign = -1.0 if begun.downwards else 1.0
-    curve = follower.follow(begun.motion, progress, sign)
+    for attempt in range(ATTEMPTS):
+        follower = Follower(
+            replace(begun.problem, omega=None),
+            accuracy,
+            judge_stability,
+            MOST_POINTS,
+            first_step=STEPS[1] * SHORTER**attempt,
+        )
+        curve = follower.follow(begun.motion, progress, sign)
+        if not curve.ended and not _ran_back(curve, begun.motion, sign):
+            break
     if not curve.ended and sign * (2.0 * np.pi * curve.freqs[-1] - begun.motion.omega) < 0.0:
         return replace(curve, ended=f"the curve folds back and leaves the band at {curve.freqs[-1]:.4g} Hz, as it came")
     return curve
+
+
+def _ran_back(curve: PeriodicCurve, start: Motion, sign: float) -> bool:
+    """Whether a curve leaves its band with the motion with which it began, or is stable where its frequency runs back.
+
+    Every fold that turns the frequency back takes one multiplier through +1, so that motion there is not stable.
+    """
+    back = sign * np.diff(curve.freqs) < 0.0
+    inside = np.flatnonzero(back[1:] & back[:-1]) + 1
+    is_judged = np.isfinite(curve.largest_multiplier[inside])
+    if np.count_nonzero(curve.is_stable[inside] & is_judged) > FEW:
+        return True
+    if abs(2.0 * np.pi * curve.freqs[-1] / start.omega - 1.0) > APART:
+        return False
+    first, last = (curve.motion[end, :, 1] for end in (0, -1))
+    return bool(np.linalg.norm(last - first) < APART * np.linalg.norm(first))
+
+
+FEW = 5
+"""Points about corners whose stability is told by slopes of one side."""
+
+ATTEMPTS, SHORTER = 5, 0.83
+"""Times that a curve is followed, and first step of each as a share of the one before: one in five came back."""
 
 
 def _between(motion: ComplexArray, at: FloatArray, wanted: float) -> ComplexArray:

@@ -65,15 +65,16 @@ def own_zeros(responses: dict[str, FloatArray], rig: Rig) -> list[str]:
     told = []
     for name, samples in responses.items():
         mean, motion = abs(float(samples.mean())), float(samples.std())
-        if rig.sensor(name).quantity in WITHOUT_ZERO and mean > LARGE_ZERO * motion:
+        least = max(LARGE_ZERO, CHANCE / np.sqrt(len(samples)))
+        if rig.sensor(name).quantity in WITHOUT_ZERO and mean > least * motion:
             told.append(f"{name} ({mean:.3g} {SI_UNITS[rig.sensor(name).quantity]})")
     if not told:
         return []
     return [f"the mean of {', '.join(told)} is taken for the sensor's own zero, or gravity's share, and not judged"]
 
 
-LARGE_ZERO = 0.3
-"""Mean, as a share of a channel's standard deviation, that is told."""
+LARGE_ZERO, CHANCE = 0.3, 5.0
+"""Mean, as a share of a channel's standard deviation, that is told; and in standard deviations of white noise's."""
 
 
 def white_rms(samples: FloatArray) -> float:

@@ -125,6 +125,14 @@ def test_what_folds_back_is_found_from_both_ends():
     assert off_when_stepped(plant, 1.5, up, calm[0]) < 5e-3
 
 
+@pytest.mark.parametrize("amplitude", [1.348, 1.5, 1.8, 2.007])
+def test_a_curve_that_passes_itself_closely_is_followed_on(amplitude):
+    """One in five ran back from where a wall is just touched, on this machine or on that."""
+    curve = nonlinear_frf(build_plant(sleeved()), amplitude, (6.0, 15.0), 400.0)
+    assert curve.ended == ""
+    assert curve.freqs[-1] > 15.0
+
+
 def test_one_curve_is_enough_where_both_ends_lead_to_it():
     (curve,) = from_both_ends(build_plant(sleeved()), 0.05, (6.0, 16.0), 400.0)
     assert curve.ended == ""
