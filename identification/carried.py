@@ -94,12 +94,7 @@ def louder_by(session: Session, base: Fit, found: Fit) -> Evaluator | None:
     far = found.ratio > NOISE_NEAR or not is_faint(session.fitting, found)
     if far or takes_away(base, found) < EXPLAINED_NEAR:
         return None
-    rng = np.random.default_rng(session.seed)
-    louder = session.everything.with_targets(carry_noise(session.everything, found.hypothesis, rng, REALISATIONS))
+    louder = session.carried_by(found.hypothesis)
     parts = session.parts_of(louder)
     (residual,) = parts.residuals([(found.hypothesis, None)])
     return louder if residual is not None and residual @ residual <= NOISE_REACHED**2 * parts.n_judged else None
-
-
-REALISATIONS = 16
-"""Of noise that impacts amplify: where it is large, four tell its power to a third only."""

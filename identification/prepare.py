@@ -99,15 +99,13 @@ def _state_scales(model: ModalModel, record: Record) -> FloatArray:
     shapes = [np.abs(model.rows(each.position, 1 if each.quantity == "angular_velocity" else 0)) for each in sensors]
     largest: dict[str, float] = {}  # beside it, at the clamp, a sensor tells nothing
     for sensor, shape in zip(sensors, shapes, strict=True):
-        largest[sensor.quantity] = max(largest.get(sensor.quantity, TINY), float(shape.max()))
+        largest[sensor.quantity] = max(largest.get(sensor.quantity, np.finfo(float).tiny), float(shape.max()))
     for sensor, shape, channel in zip(sensors, shapes, record.responses, strict=True):
         moves = np.maximum(shape, 0.1 * largest[sensor.quantity]) * omega ** ORDER_READ[sensor.quantity]
         size = np.maximum(size, float(np.std(channel)) / moves)
     size[model.omega > 2.0 * pi * STOP_EDGE * record.fs] = 0.0
     return np.concatenate([size, size * omega])
 
-
-TINY = 1e-300
 
 RESOLVED = 0.25
 """Discretisation error, as a share of the noise, that a fit does not see."""

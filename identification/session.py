@@ -35,6 +35,9 @@ CLEARLY_LESS = 0.8
 CLEARLY_LOUDER = 1.05
 """Times the noise so far; less would change no verdict."""
 
+REALISATIONS = 16
+"""Of noise that impacts amplify: where it is large, four tell its power to a third only."""
+
 COARSEST = 2
 """Steps per sample of the search at least; the model's own choice is finer."""
 
@@ -70,6 +73,7 @@ class Session:
     is_passing: bool = False
     _ended: tuple[Evaluator, Fit, Fit] | None = None
     _out: tuple[Fit, bool] | None = None
+    _carried: tuple[Evaluator, Hypothesis, Evaluator] | None = None
 
     def __post_init__(self) -> None:
         self._as_given = self.everything
@@ -117,6 +121,17 @@ class Session:
         whole = {target.record.name: target for target in everything.timed}
         parts = [whole[part.record.name].cut(part.record.n_samples) for part in self.fitting.timed]
         return self.fitting.with_targets([*self.fitting.at_rest, *parts])
+
+    def carried_by(self, hypothesis: Hypothesis) -> Evaluator:
+        """All records with the excitation's noise as a model carries it; that of the last one asked for is kept.
+
+        Args:
+            hypothesis: the model.
+        """
+        if self._carried is None or self._carried[0] is not self.everything or self._carried[1] is not hypothesis:
+            carried = carry_noise(self.everything, hypothesis, np.random.default_rng(self.seed), REALISATIONS)
+            self._carried = self.everything, hypothesis, self.everything.with_targets(carried)
+        return self._carried[2]
 
     def to_the_end(self, result: Fit) -> Fit:
         """A fit of everything that can be predicted: in a flat valley intervals are right only at its bottom.

@@ -48,6 +48,17 @@ def test_the_noise_is_that_which_the_right_model_carries(heard):
     assert louder_by(session, base, again) is None  # nothing is left to be noise
 
 
+def test_what_a_model_carries_is_found_once_for_the_same_records(heard):
+    session = session_of(heard)
+    first = session.carried_by(RINGING)
+
+    assert session.carried_by(RINGING) is first
+    given = session.carried_by(GIVEN)
+    assert given is not first
+    session.everything = first
+    assert session.carried_by(GIVEN) is not given
+
+
 def test_what_has_not_explained_the_rest_excuses_nothing(heard):
     session, (base, found) = session_of(heard), fits_of(heard)
     imitation = fit(heard, GIVEN.with_effects(PointMass(Place(position=0.7), mass=0.05)), ())
