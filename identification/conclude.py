@@ -33,6 +33,7 @@ from identification.outcome import (
     rig_estimates,
     tried,
 )
+from identification.places_open import in_parts
 from identification.prepare import cut_to
 from identification.result import Diagnosis, Stage, Verdict
 from identification.session import Session
@@ -118,11 +119,13 @@ def concluded(
         stages = [session.stage(stage.label, stage.hypothesis) for stage in stages]
     calibrated = next(stage for stage in reversed(stages) if stage.label == "calibrated")
     rounds = [distinct(ranked) for ranked in rounds]
+    standing_effects = len(final.hypothesis.effects)
+    rounds[:standing_effects] = [in_parts(session, r, polished, i) for i, r in enumerate(rounds[:standing_effects])]
     first = rounds[0] if rounds else []
     chances = probabilities([r.log_evidence for r in first] + [_nothing(first, final)]) if first else []
     later = [(ranked, probabilities([r.log_evidence for r in ranked])) for ranked in rounds[1:] if ranked]
     weighed = [(first, chances), *later] if first else later
-    standing = weighed[: len(final.hypothesis.effects)]  # rounds in which nothing was taken may follow
+    standing = weighed[:standing_effects]  # rounds in which nothing was taken may follow
     groups = tuple(dict.fromkeys(group for ranked, odds in standing for group in groups_of(ranked, odds)))
     session.progress("locating the force that the calibrated model lacks")
     heard = _heard(session)

@@ -18,6 +18,7 @@ from identification.in_its_place import with_others_there
 from identification.judge import judge, restarted
 from identification.look import View
 from identification.onset import goes_on, onset_of
+from identification.places_open import with_other_valleys
 from identification.prepare import cut_to
 from identification.reached import NOISE_REACHED
 from identification.session import Session
@@ -105,9 +106,14 @@ LOOK, LOOK_TOLERANCE, WORTH_MORE = 5, 0.02, 1.2
 
 
 def with_other_starts(session: Session, base: Fit, ranked: list[Ranked]) -> list[Ranked]:
-    """The ranking after other starts were tried for the best effect, where its fit stopped above the noise."""
-    if not ranked or ranked[0].fit.ratio <= NOISE_REACHED:
+    """The ranking after other starts were tried for the best effect, where its fit stopped above the noise.
+
+    Where the noise is reached, what cannot be told from the best is tried at other places.
+    """
+    if not ranked:
         return ranked
+    if ranked[0].fit.ratio <= NOISE_REACHED:
+        return with_other_valleys(session, base, ranked)
     found = ranked[0].fit
     session.progress(f"{ranked[0].effect.label()}: the fit stopped above the noise; trying other places and starts")
     moved = min((found, *elsewhere(session.fitting, base, found, session.registry)), key=lambda each: each.cost)

@@ -15,6 +15,7 @@ from models.rig import Rig
 from testbed.figures.report_evidence import Left, plot_left_by_frequency, plot_left_over_time, plot_ratios
 from testbed.figures.report_style import COLOURS
 from testbed.quantities import unit_of
+from testbed.report.fall import where_it_falls
 from testbed.report.figures import WIDTH
 from testbed.report.picture import Picture, picture
 from testbed.report.words import number, percent, stage_kind
@@ -35,7 +36,8 @@ def because(diagnosis: Diagnosis) -> str:
         )
     first = diagnosis.added[0]
     chosen = next((each for each in diagnosis.candidates if _same(each.effect, first.effect)), None)
-    shows = f"{_shows(first.effect)} {_shown_here(first.effect, diagnosis.located)}"
+    shown = (_shows(first.effect), _shown_here(first.effect, diagnosis.located), where_it_falls(diagnosis))
+    shows = " ".join(sentence for sentence in shown if sentence)
     if chosen is None:
         return shows
     alike = next((group for group in diagnosis.indistinguishable if any(_same(e, first.effect) for e in group)), ())
@@ -70,7 +72,7 @@ def _shown_here(effect: Effect, located: Located | None) -> str:
     """Whether the place that the records tell without assuming a law is the effect's."""
     position = effect.place.position
     if position is None or located is None or located.interval is None or not located.where:
-        return "Whether these records show it so was not judged; what speaks for it here is the error."
+        return "Whether these records show its place was not judged; what speaks for it here is the error."
     low, high = located.interval
     where = f"the missing force at {low:.4g} to {high:.4g} m"
     if located.holds(position):

@@ -134,7 +134,7 @@ def test_the_signature_of_the_kind_is_no_evidence_unless_the_records_show_the_pl
     diagnosis = made_up_diagnosis(RIG)
 
     assert because(diagnosis).startswith(f"What gives {FILM.kind} away in general: ")
-    assert "Whether these records show it so was not judged" in because(diagnosis)
+    assert "Whether these records show its place was not judged" in because(diagnosis)
     here = replace(diagnosis, located=replace(located((0.99, 1.01)), place=1.0))
     assert "these records show the place: without assuming a law they put the missing force at 0.99 to" in because(here)
     away = replace(diagnosis, located=located((0.4, 0.6)))
