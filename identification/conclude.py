@@ -144,6 +144,7 @@ def concluded(
         forces=forces,
         located=located,
         kept_aside=bool(holdout),
+        missed=tuple(kept.missed),
     )
     return Diagnosis(
         verdict=verdict,
@@ -167,7 +168,7 @@ def concluded(
             *(f"{t.record.name}: {AT_REST_ONLY}" for t in session.everything.at_rest),
             *wholly_off(stages[0].score),
         ),
-        not_predicted=kept.missed,
+        not_predicted=tuple(kept.missed.values()),
     )
 
 

@@ -21,7 +21,7 @@ from identification.assess import with_starts
 from identification.calibrate import calibrate, strained, unknowns_of
 from identification.carried import carried_by_best, carried_by_calibrated
 from identification.conclude import concluded, one_set_of_numbers, settled
-from identification.established import NO_LAW
+from identification.established import NO_SIZE
 from identification.evidence import Ranked
 from identification.exchange import exchanged
 from identification.fewer import with_fewer
@@ -219,9 +219,9 @@ def _ended(
 ) -> tuple[Verdict, Fit, Fit]:
     """The verdict, the model that stands, and the same on all records with honest intervals.
 
-    An effect whose size these intervals do not tell from none, or whose law they do not tell, is taken out, with its
-    round; a law gives its place to a simpler one of its round first, where that explains as much. The last round stays
-    where it is needed to show what was weighed.
+    An effect whose size these intervals do not tell from none, or whose law or place they do not tell, is taken out,
+    with its round; a law or a place gives way to a simpler law of its round first, where that explains as much. The
+    last round stays where it is needed to show what was weighed.
     """
     taken_out = False
     final, weighed, asked = chain[-1], rounds[:1], [set[str]() for _ in rounds]
@@ -238,7 +238,7 @@ def _ended(
         effect = final.hypothesis.effects[index]
         asked[index].add(effect.kind)
         other = None
-        if why == NO_LAW:
+        if why != NO_SIZE:
             other = instead_of(session, chain[0], final, index, rounds[index], asked[index])
         if other is not None:
             final, rounds[index] = other.fit, other.ranked

@@ -3,15 +3,17 @@
 An effect whose size changes beyond all bounds when one mode or one record is left out is no finding: that mode or
 record has something of its own, and the effect was bent to it. Nor is a law of several numbers of which none is known:
 what its numbers do together is known then, as that of a simpler law to which it comes near, or of one that it imitates.
+Nor is what may sit anywhere along the beam: one mode tells how much of it there is, by its size times the square of the
+shape, and any other kind says the same there.
 """
 
 from collections.abc import Collection
-from math import exp, inf, log
+from math import exp, inf, log, sqrt
 
 import numpy as np
 
 from identification.fit import Fit
-from identification.hypothesis import EffectUnknown
+from identification.hypothesis import EffectUnknown, PlaceUnknown, Unknown
 
 LEAST_DEVIATIONS = 0.5
 """Between an effect's size and none, its other numbers and its place held: a size not known to a factor of three. Two
@@ -22,13 +24,17 @@ TOLD = 0.2
 was known of it beforehand, or of a linear number's own size. Of two hystereses that stood for springs whose force
 relaxes 0.35 and 0.5 were left at the least, of a true one that the records hardly bend 0.08."""
 
+NOWHERE = 1.0 / sqrt(12.0)
+"""Deviation of a place, as a share of the length, of what may sit anywhere along it."""
+
 NO_SIZE = "its size hangs on one mode, channel or record, and the others do not tell it from nothing"
 NO_LAW = "the records tell none of its numbers by itself: it may stand for another law that does the same"
+NO_PLACE = "the records do not tell where along the beam it acts: it may stand for anything that moves the same mode"
 """Why such an effect is not named."""
 
 
 def unestablished(found: Fit, *, in_motion: bool = True, needed: Collection[int] = ()) -> tuple[int, str] | None:
-    """Number of the first effect whose size cannot be told from none, or whose law is not known, and why.
+    """Number of the first effect whose size cannot be told from none, or whose place or law is not known, and why.
 
     Effects without a value at which they are not there (another law in a contact) have no size.
 
@@ -40,7 +46,8 @@ def unestablished(found: Fit, *, in_motion: bool = True, needed: Collection[int]
     Returns:
         the number and the reason; None where all effects are known.
     """
-    by_misfit = found.std() / np.sqrt(np.diag(found.covariance))
+    stds = found.std()
+    by_misfit = stds / np.sqrt(np.diag(found.covariance))
     by_noise = np.sqrt(np.diag(found.covariance)) / found.widened
     for index, effect in enumerate(found.hypothesis.effects):
         own = [i for i, unknown in enumerate(found.unknowns) if getattr(unknown, "effect", None) == index]
@@ -54,9 +61,16 @@ def unestablished(found: Fit, *, in_motion: bool = True, needed: Collection[int]
         deviations = max(_deviations(found, unknown, alone[i]) for i, unknown in sized.items())
         if deviations < LEAST_DEVIATIONS and index not in needed:
             return index, NO_SIZE
+        if any(_is_anywhere(found.unknowns[i], stds[i]) for i in own):
+            return index, NO_PLACE
         if in_motion and effect.n_numbers > 1 and min(by_noise[i] for i in numbers) > TOLD:
             return index, NO_LAW
     return None
+
+
+def _is_anywhere(unknown: Unknown, std: float) -> bool:
+    """Whether a deviation, in its own coordinate, is that of a place that is not told."""
+    return isinstance(unknown, PlaceUnknown) and std * unknown.unit > NOWHERE * unknown.length
 
 
 def _deviations(found: Fit, unknown: EffectUnknown, std: float) -> float:

@@ -209,13 +209,18 @@ class PlaceUnknown(Unknown):
     prior: bool = False
     record: str | None = None
 
+    @property
+    def unit(self) -> float:
+        """A twentieth of the length, m."""
+        return self.length / 20.0
+
     def get(self, hypothesis: Hypothesis) -> float:
         """Twentieths of the length from the clamp."""
-        return 20.0 * (hypothesis.effects[self.effect].place.position or 0.0) / self.length
+        return (hypothesis.effects[self.effect].place.position or 0.0) / self.unit
 
     def set(self, hypothesis: Hypothesis, x: float) -> Hypothesis:
         """Kept on the beam, off the clamp."""
-        position = min(max(x / 20.0, 0.02), 1.0) * self.length
+        position = min(max(x * self.unit, 0.02 * self.length), self.length)
         effect = hypothesis.effects[self.effect]
         moved = replace(effect, place=replace(effect.place, position=position))
         return _with_effect(hypothesis, self.effect, moved)

@@ -23,11 +23,11 @@ class KeptAside:
 
     Attributes:
         scores: over whole records, ``as given`` and ``updated``; empty where nothing was kept or nothing is predicted.
-        missed: a sentence for each record on which what was learnt does not hold.
+        missed: record on which what was learnt does not hold -> a sentence that says so.
     """
 
     scores: Mapping[str, Score] = field(default_factory=dict)
-    missed: tuple[str, ...] = ()
+    missed: Mapping[str, str] = field(default_factory=dict)
 
 
 def kept_aside(session: Session, given: Hypothesis, updated: Hypothesis, records: Sequence[AnyRecord]) -> KeptAside:
@@ -59,20 +59,20 @@ def kept_aside(session: Session, given: Hypothesis, updated: Hypothesis, records
     except ArithmeticError as lost:
         session.decide(f"the records kept aside were not predicted: {lost}")
         return KeptAside()
-    for told, _ in judged:
+    for _, told, _ in judged:
         session.decide(told)
-    return KeptAside(scores, tuple(told for told, holds in judged if not holds))
+    return KeptAside(scores, {name: told for name, told, holds in judged if not holds})
 
 
-def _judged(evaluator: Evaluator, known: Hypothesis) -> list[tuple[str, bool]]:
-    """For each record what the model leaves there, in words, and whether noise and its own error explain that."""
+def _judged(evaluator: Evaluator, known: Hypothesis) -> list[tuple[str, str, bool]]:
+    """Of each record its name, what the model leaves there, in words, and whether noise and its error explain it."""
     limits = horizons(evaluator, known)
     durations = {target.record.name: target.record.duration for target in evaluator.timed}
     followed = score(cut_to(evaluator, inf, limits), known)
     return [_in_words(row, durations) for row in (*followed.records, *followed.at_rest)]
 
 
-def _in_words(row: RecordScore | FrfScore | ModesScore, durations: Mapping[str, float]) -> tuple[str, bool]:
+def _in_words(row: RecordScore | FrfScore | ModesScore, durations: Mapping[str, float]) -> tuple[str, str, bool]:
     name = row.record.name
     beyond = sqrt(max(row.nrmse**2 - row.noise_nrmse**2, 0.0))
     holds = row.nrmse <= ERROR_REACHED * row.noise_nrmse or beyond <= MODELS_APART
@@ -81,7 +81,7 @@ def _in_words(row: RecordScore | FrfScore | ModesScore, durations: Mapping[str, 
         part = f" in its first {row.record.duration:.3g} s, beyond which no model can follow it"
     verdict = f"what was learnt {'holds' if holds else 'does not hold'} there"
     times = row.nrmse / max(row.noise_nrmse, np.finfo(float).tiny)
-    return f"on {name}, kept aside, the updated model leaves {times:.3g} times the noise{part}: {verdict}", holds
+    return name, f"on {name}, kept aside, the updated model leaves {times:.3g} times the noise{part}: {verdict}", holds
 
 
 CUT_SHORT = 0.95

@@ -57,7 +57,7 @@ def effect_estimates(result: Fit, index: int) -> tuple[Estimate, ...]:
             widest = _anywhere(value, unknown.about.lower, unknown.about.upper)
             entries.setdefault(names[unknown.entry], []).append(min(float(size), widest))
         elif isinstance(unknown, PlaceUnknown) and unknown.effect == index:
-            where, size = effect.place.position or 0.0, float(std) * unknown.length / 20.0
+            where, size = effect.place.position or 0.0, float(std) * unknown.unit
             rows.append(Estimate("position", where, min(size, _anywhere(where, 0.0, unknown.length)), "m"))
     for name, about in effect.parameters().items():
         value = getattr(effect, name)

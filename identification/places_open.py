@@ -79,13 +79,14 @@ def _other_parts(standing: Fit, index: int) -> Iterator[float]:
         if not (isinstance(unknown, PlaceUnknown) and unknown.effect == index):
             continue
         place = standing.hypothesis.effects[index].place
-        where, spread, rig = place.position or 0.0, float(std) * unknown.length / 20.0, standing.hypothesis.rig
+        where, spread, rig = place.position or 0.0, float(std) * unknown.unit, standing.hypothesis.rig
         if spread <= WIDE_PLACE * unknown.length:
             return
         ends = (-where / spread, (unknown.length - where) / spread)
-        middles = truncnorm.ppf([(part + 0.5) / PARTS for part in range(PARTS)], *ends, loc=where, scale=spread)
+        parts = truncnorm(*ends, loc=where, scale=spread)
+        middles = [float(parts.ppf((part + 0.5) / PARTS)) for part in range(PARTS)]
         nearest = min(middles, key=lambda middle: abs(middle - where))
-        for middle in middles.tolist():
+        for middle in middles:
             if middle != nearest and not is_same_place(replace(place, position=middle), place, rig):
                 yield middle
 
@@ -93,10 +94,9 @@ def _other_parts(standing: Fit, index: int) -> Iterator[float]:
 def _held(session: Session, row: Ranked, where: float) -> Ranked | None:
     """The row's fit with its effect held at another place; None where the model leaves the finite numbers there."""
     found, last = row.fit, len(row.fit.hypothesis.effects) - 1
-    held = [isinstance(u, PlaceUnknown) and u.effect == last for u in found.unknowns]
-    place = next(unknown for unknown, is_held in zip(found.unknowns, held, strict=True) if is_held)
-    moved = place.set(found.hypothesis, 20.0 * where / place.length)
-    unknowns = [unknown for unknown, is_held in zip(found.unknowns, held, strict=True) if not is_held]
+    (place,) = (u for u in found.unknowns if isinstance(u, PlaceUnknown) and u.effect == last)
+    moved = place.set(found.hypothesis, where / place.unit)
+    unknowns = [unknown for unknown in found.unknowns if unknown is not place]
     try:
         return Ranked.of(fit(session.fitting, moved, unknowns, precise=True))
     except ArithmeticError:

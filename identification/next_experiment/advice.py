@@ -85,6 +85,27 @@ def _further(sleeves: Sequence[str], pressed: Mapping[float, FloatArray]) -> tup
     return HIGHER[0], f"every wall has been touched; there they are pressed {deeper:.2g} times as hard"
 
 
+def learn_from(records: Evaluator, bench: Bench, model: Hypothesis, missed: Sequence[str]) -> Proposal:
+    """What was kept aside among the records learnt from, and another record kept aside.
+
+    Args:
+        records: learnt from so far.
+        bench: the same in short.
+        model: the best there is.
+        missed: names of the records kept aside on which it does not hold.
+    """
+    test = _steady(bench, 1.0)
+    names = " and ".join(missed)
+    words = f"learn from {names} too, and keep another record aside"
+    reasons = [f"what was learnt does not hold on {names}, so that tells what the others do not"]
+    sleeves = [contact.sleeve for contact in model.plant().contacts]
+    untouched = np.any(_pressed(records, model, 1.0) == 0.0, axis=0)
+    if np.any(untouched):
+        walls = " and ".join(name for name, is_open in zip(sleeves, untouched, strict=True) if is_open)
+        reasons.append(f"no record learnt from has touched both walls of {walls}")
+    return Proposal(f"{words}: {test.words}" if test else words, "; ".join(reasons), test)
+
+
 def another_kind(bench: Bench) -> Proposal:
     """A record to be kept aside, of a kind that the fit has not seen."""
     test = candidates.swept(bench, COSTS, 1.0) if bench.level else None

@@ -11,6 +11,7 @@ from identification.next_experiment.advice import (
     CHAOTIC,
     another_kind,
     higher_level,
+    learn_from,
     lower_level,
     more_of_what_is_left,
 )
@@ -38,6 +39,7 @@ def next_experiment(
     forces: Sequence[MissingForce] = (),
     located: Located | None = None,
     kept_aside: bool = False,
+    missed: Sequence[str] = (),
 ) -> Proposal:
     """What to measure next to learn most.
 
@@ -50,6 +52,7 @@ def next_experiment(
         forces: that the calibrated model lacks.
         located: where one of them would explain what it leaves, if that was looked for.
         kept_aside: whether the model was tried on records that the fit had not seen.
+        missed: those of them on which it does not hold.
     """
     if not session.everything.timed:
         return Proposal("the same test at a higher level, or a time record", AT_REST_ONLY)
@@ -65,6 +68,8 @@ def next_experiment(
         proposal = lower_level(session.everything, bench, model)
     elif verdict == "unexplained":
         proposal = more_of_what_is_left(bench, maps, forces, located)
+    elif missed:
+        proposal = learn_from(session.everything, bench, model, missed)
     elif verdict == "complete" or kept_aside:
         proposal = higher_level(session.everything, bench, model, known=verdict != "complete")
     else:

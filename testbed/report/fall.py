@@ -1,4 +1,4 @@
-"""Where the error falls that the named effects take away: at which frequencies, in which channels, when, at what level."""
+"""Where the error falls that the named effects take away: frequencies, channels, time and level."""
 
 import numpy as np
 

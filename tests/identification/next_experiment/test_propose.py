@@ -90,6 +90,17 @@ def test_a_model_that_nobody_tried_is_tried_on_a_record_of_another_kind():
     assert "kept aside" in kept.why
 
 
+def test_what_was_not_predicted_is_to_be_learnt_from():
+    model = built()[0]
+    evaluator = evaluator_of(measured(model, multisine(2048, rms=1e-3, low=10.0)))
+
+    told = next_experiment(session_of(evaluator), "missing_effect", [], model, kept_aside=True, missed=["burst"])
+
+    assert told.do.startswith("learn from burst too, and keep another record aside: a multisine of ")
+    assert told.why.startswith("what was learnt does not hold on burst")
+    assert "no record learnt from has touched both walls of sleeve 1 and sleeve 2" in told.why
+
+
 def test_what_is_unexplained_is_looked_at_where_it_is():
     model, evaluator = oscillators_record()
     errors = np.array([[0.1, 0.8, 0.1]])
