@@ -1,12 +1,20 @@
 """Does an excitation repeat, and which of its periods are steady?"""
 
 import numpy as np
+from scipy.signal import welch
 
 from models.arrays import FloatArray
 from models.errors import InputError
 
 TOLERANCE = 0.03
 """Largest noise-to-signal ratio of an excitation that still counts as repeating: three times a 1 % force noise."""
+
+NOISY, FLAT = 0.2, 2.0
+"""The same where what does not repeat is noise, on all frequencies alike: up to so many times as dense in the excited
+band as beside it. A light structure takes little force, and its sensor's noise does not shrink with it."""
+
+RECORDED = 0.37
+"""Share of the sampling rate up to which a recorder lets noise pass."""
 
 TRANSIENT_FLOOR = 1e-3
 """A period that differs from the last by less than this share of the rms counts as steady."""
@@ -81,12 +89,30 @@ def _shortest_match(signal: FloatArray) -> int | None:
         return None
     start = int(apart[0])
     best = float(mismatch[start:].min())
-    if best > TOLERANCE:
+    if best > NOISY or (best > TOLERANCE and not _differs_by_noise(signal, start + int(np.argmin(mismatch[start:])))):
         return None
     # Shorter lags that match almost as well as the best are true periods; much worse ones are only similar.
     matching = start + np.flatnonzero(mismatch[start:] <= max(1.5 * best, 1e-6))
     run = matching[: np.flatnonzero(np.diff(matching, append=matching[-1] + 2) > 1)[0] + 1]
     return int(run[np.argmin(mismatch[run])])
+
+
+def _differs_by_noise(signal: FloatArray, period: int) -> bool:
+    """Whether a signal and itself a period later differ as much beside the excited band as in it."""
+    _, density = welch(signal, nperseg=min(signal.size, SEGMENT))
+    frequency, difference = welch(signal[period:] - signal[:-period], nperseg=min(signal.size - period, SEGMENT))
+    if density.size != difference.size:
+        return False
+    recorded = (frequency > 0.0) & (frequency < RECORDED)
+    density, difference = density[recorded], difference[recorded]
+    excited = density > 2.0 * difference  # a difference has twice the noise
+    if not excited.any() or excited.all():
+        return False
+    return bool(difference[excited].mean() < FLAT * difference[~excited].mean())
+
+
+SEGMENT = 1024
+"""Samples of the segments whose spectra are averaged."""
 
 
 def _mismatch(signal: FloatArray) -> FloatArray:

@@ -33,6 +33,17 @@ def test_a_multisine_far_below_the_sampling_rate_repeats(noise):
     assert find_period(with_noise(multisine(4000, 4, slice(1, 6)), noise)) == 4000
 
 
+@pytest.mark.parametrize("noise", [0.04, 0.1])
+def test_a_multisine_whose_force_sensor_is_noisy_repeats(noise):
+    assert find_period(with_noise(multisine(2000, 4, slice(10, 400)), noise)) == 2000
+
+
+def test_what_changes_in_the_excited_band_does_not_repeat():
+    """A tenth of the excitation is of its own in each period, at the frequencies of the rest."""
+    steady, own = multisine(2000, 4, slice(10, 400)), multisine(8000, 1, slice(40, 1600), seed=2)
+    assert find_period(with_noise(steady + 0.1 * own * steady.std() / own.std(), 0.001)) is None
+
+
 def test_the_shortest_period_is_found_where_only_even_lines_are_excited():
     assert find_period(with_noise(multisine(1000, 5, slice(2, 300, 2)), 0.01)) == 500
 
