@@ -5,11 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from identification.assess import assess
+from identification.assess import score, with_starts
 from identification.at_rest import PairedModes, paired_modes, predicted_frfs
 from identification.frf import estimate_frf
 from identification.hypothesis import Hypothesis
+from identification.prepare import Horizon, horizons, prepare
 from identification.result import RecordScore, Score
+from identification.together import wholly_off
 from models.arrays import ComplexArray, FloatArray
 from models.band_limit import SCORE_EDGE
 from models.record import AnyRecord, FrfRecord, ModeShapeRecord, Record
@@ -68,11 +70,13 @@ class Comparison:
         score: of the time records, None without any.
         frfs: one a time record with measured excitation, from its own channels, then one a record of FRFs.
         modes: one a record of mode shapes.
+        findings: sentences on records whose channels are all off alike, and on those that no model can follow.
     """
 
     score: Score | None
     frfs: tuple[FrfPair, ...]
     modes: tuple[ModePair, ...]
+    findings: tuple[str, ...] = ()
 
 
 def compare(hypothesis: Hypothesis, records: Sequence[AnyRecord], *, seed: int = 0, jobs: int = 2) -> Comparison:
@@ -89,7 +93,7 @@ def compare(hypothesis: Hypothesis, records: Sequence[AnyRecord], *, seed: int =
         ArithmeticError: the motion left the finite numbers.
     """
     in_time = [record for record in records if isinstance(record, Record)]
-    score = assess(hypothesis, in_time, jobs=jobs, seed=seed) if in_time else None
+    score, findings = _in_time(hypothesis, in_time, jobs, seed) if in_time else (None, ())
     return Comparison(
         score,
         (
@@ -101,6 +105,31 @@ def compare(hypothesis: Hypothesis, records: Sequence[AnyRecord], *, seed: int =
             for record in records
             if isinstance(record, ModeShapeRecord)
         ),
+        findings,
+    )
+
+
+def _in_time(hypothesis: Hypothesis, records: Sequence[Record], jobs: int, seed: int) -> tuple[Score, tuple[str, ...]]:
+    """The errors of time records, and what must be known to read them."""
+    evaluator = prepare(hypothesis, records, jobs, np.random.default_rng(seed))
+    known = with_starts(evaluator, hypothesis)
+    found = score(evaluator, known)
+    loud = {row.record.name: row for row in found.records if row.noise_nrmse > RATTLING}
+    limits = horizons(evaluator, known) if loud else []
+    parted = [limit for limit in limits if limit.record in loud and limit.seconds < loud[limit.record].record.duration]
+    return found, (*wholly_off(found), *(_in_words(limit, loud[limit.record]) for limit in parted))
+
+
+RATTLING = 0.1
+"""Noise, as a share of the motion, from which it is asked whether motions part."""
+
+
+def _in_words(limit: Horizon, row: RecordScore) -> str:
+    """That a record's noise is what the force's does to a motion that nobody can follow to its end."""
+    return (
+        f"{limit.record}: noise alone is {row.noise_nrmse:.2f} of the motion, since the noise of the force tears "
+        f"neighbouring motions of this model apart, by a factor of {limit.growth:.0e} over the record; it can be "
+        f"compared for its first {limit.seconds:.2g} s"
     )
 
 

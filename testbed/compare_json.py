@@ -6,7 +6,6 @@ import numpy as np
 
 from identification.metrics import BAND_LINES, channel_csac, channel_csf, frac, mre, nrmse, overall_nrmse
 from identification.result import RecordScore
-from identification.together import wholly_off
 from models.arrays import FloatArray
 from testbed.compare import Comparison, FrfPair, ModePair
 from testbed.outputs import Json
@@ -16,7 +15,7 @@ def comparison_json(comparison: Comparison) -> Json:
     """The content of ``compare.json``.
 
     The overall figures are those of the time records, or of the FRFs where there is no time record; what a record does
-    not tell (the noise of FRFs, the FRFs of a free decay) is null. Findings are records with all channels off alike.
+    not tell (the noise of FRFs, the FRFs of a free decay) is null. Findings are those of the comparison.
 
     Args:
         comparison: finished.
@@ -33,7 +32,7 @@ def comparison_json(comparison: Comparison) -> Json:
             *linear,
             *(_modes_row(pair) for pair in comparison.modes),
         ],
-        "findings": list(wholly_off(comparison.score)) if comparison.score is not None else [],
+        "findings": list(comparison.findings),
     }
 
 

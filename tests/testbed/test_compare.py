@@ -15,7 +15,8 @@ from models.modal import build_modal
 from models.plant import build_plant
 from models.record import FrfRecord, ModeShapeRecord
 from models.rig_file import read_rig
-from testbed.compare import compare
+from models.simulate import simulate
+from testbed.compare import RATTLING, compare
 from testbed.compare_json import comparison_json
 from testbed.outputs import json_text
 
@@ -63,6 +64,25 @@ def test_a_record_all_of_whose_channels_are_in_another_unit_is_a_finding(rig, re
     assert missing["findings"] == []
     assert "burst.csv: all 3 channels are" in finding
     assert "near 9.807 or its inverse (g, or kilograms-force)" in finding
+
+
+@pytest.mark.parametrize("is_damped", [True, False])
+def test_a_record_whose_motions_part_is_told_with_the_time_that_can_be_followed(rig, record, is_damped):
+    """A twentieth of the force is noise; a rig that damps carries that and no more, one that rattles is torn by it."""
+    sleeves = tuple(sleeve.model_copy(update={"damping": 5.0}) for sleeve in rig.sleeves)
+    structure = rig.structure.model_copy(update={"rayleigh_damping": (0.5, 1e-6)})
+    built = rig if is_damped else rig.model_copy(update={"structure": structure, "sleeves": sleeves})
+    heard = simulate(build_plant(built), record).channels
+    felt = record.excitation + 0.05 * record.excitation.std() * np.random.default_rng(2).standard_normal(heard.shape[1])
+
+    found = compare(Hypothesis(built), [replace(record, excitation=felt, responses=heard)], jobs=1)
+
+    told = [finding for finding in found.findings if finding.startswith("burst.csv: noise alone is ")]
+    assert len(told) == (not is_damped)
+    if told:
+        seconds = float(told[0].split("for its first ")[1].split(" s")[0])
+        assert 0.0 < seconds < record.duration
+        assert found.score.noise_nrmse > RATTLING
 
 
 def test_the_model_that_made_the_record_leaves_its_noise_alone_and_the_other_does_not(missing, complete):
