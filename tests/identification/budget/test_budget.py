@@ -1,6 +1,7 @@
 """Several records together: realisations, levels, records that do not repeat, a model's gain, and the words."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,6 +14,8 @@ from models.errors import InputError
 from models.record import FrfRecord, Record
 
 PERIODS = 6
+RAGGED_BY = 0.6
+"""Of a best linear approximation's own size, scattered from line to line as impacts do."""
 
 
 def duffing(drive, hardening, freq=30.0, damping_ratio=0.03, finer=8):
@@ -38,6 +41,18 @@ def duffing_record(seed, rms, hardening=0.02, periods=5, name="made"):
 def hardening():
     runs = [(1, 0.05), (2, 0.05), (1, 0.2), (2, 0.2)]
     return budget_of([duffing_record(seed, rms, name=f"{rms}-{seed}") for seed, rms in runs], "N")
+
+
+def test_what_impacts_make_of_an_approximation_is_no_mode(hardening):
+    level = hardening.levels[0]
+    rng = np.random.default_rng(5)
+    scatter = RAGGED_BY * np.abs(level.bla) * np.exp(2j * np.pi * rng.uniform(size=level.bla.shape))
+
+    spike = np.where(np.arange(level.bla.shape[1]) == np.argmax(np.abs(level.bla[0])), 30.0, 1.0)
+
+    assert len(resonances(level)) == 1
+    assert resonances(replace(level, bla=level.bla + scatter)) == ()
+    assert resonances(replace(level, bla=np.abs(level.bla).mean() * spike[None] + 0j)) == ()
 
 
 def test_levels_and_realisations_are_sorted(hardening):
