@@ -3,6 +3,8 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from identification.established import NO_SIZE, unestablished
 from identification.evidence import (
     LEAST_EVIDENCE,
@@ -18,6 +20,7 @@ from identification.hypothesis import effect_unknowns
 from identification.noise_left import NOISE_NEAR
 from identification.outcome import AT_REST_ONLY
 from identification.reached import (
+    ERROR_REACHED,
     EXPLAINED_FAR,
     EXPLAINED_NEAR,
     NEARLY_ALL,
@@ -268,7 +271,9 @@ def verdict_of(session: Session, calibrated: Fit, final: Fit, *, taken_out: bool
     enough = EXPLAINED_NEAR if final.ratio <= NOISE_NEAR else EXPLAINED_FAR
     far = final.ratio > FAR_FROM_NOISE and session.fitting.nrmse_of(final.residual) > FAR_FROM_MOTION
     if has_effects and (final.ratio <= NOISE_REACHED or (share >= enough and not far)):
-        session.decide(f"missing effect found; residual {final.ratio:.2f} times the noise")
+        session.decide(
+            f"missing effect found; residual {final.ratio:.2f} times the noise{_over_samples(session, final)}"
+        )
         return "missing_effect"
     complete = None
     if not has_effects:
@@ -286,6 +291,14 @@ def verdict_of(session: Session, calibrated: Fit, final: Fit, *, taken_out: bool
         else "unexplained: nothing in the library explains what is left"
     )
     return "unexplained"
+
+
+def _over_samples(session: Session, final: Fit) -> str:
+    """What is left of all samples, where that is not what is left of all lines; empty where they agree."""
+    times = session.fitting.nrmse_of(final.residual) / max(session.fitting.nrmse_of_noise, np.finfo(float).tiny)
+    if times <= ERROR_REACHED * max(1.0, final.ratio):
+        return ""
+    return f" line by line, and {times:.1f} times in the error, to which the loudest lines add most"
 
 
 IMITATED = 0.5

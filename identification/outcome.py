@@ -30,13 +30,13 @@ LARGEST_LOG_STD = 3.0
 
 
 def rig_estimates(result: Fit) -> tuple[Estimate, ...]:
-    """Calibrated numbers of the rig with standard deviations."""
+    """Calibrated numbers of the rig with standard deviations, none wider than what its owner knew beforehand."""
     rows: list[Estimate] = []
     for unknown, std in zip(result.unknowns, result.std(), strict=True):
         if isinstance(unknown, RigUnknown):
             about = unknown.parameter
             value = result.hypothesis.values.get(about.path, about.value)
-            rows.append(Estimate(about.path, value, float(std) * about.tolerance * value, about.unit))
+            rows.append(Estimate(about.path, value, min(float(std), 1.0) * about.tolerance * value, about.unit))
     return tuple(rows)
 
 

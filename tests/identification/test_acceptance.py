@@ -51,11 +51,13 @@ def fit_with_ratio(ratio, *, effect):
     return found if effect else replace(found, hypothesis=replace(found.hypothesis, effects=()), unknowns=())
 
 
-def called(calibrated, final=None, **session):
+def called(calibrated, final=None, in_error=None, **session):
     session = Listener(**session)
     base = fit_with_ratio(calibrated, effect=False)
     base = replace(base, residual=np.full(session.fitting.n_data, calibrated))
     end = base if final is None else fit_with_ratio(final, effect=True)
+    left = calibrated if final is None else final if in_error is None else in_error
+    end = replace(end, residual=np.full(session.fitting.n_data, left))
     return verdict_of(session, base, end), session.decisions[-1]
 
 
@@ -73,6 +75,12 @@ def called(calibrated, final=None, **session):
 )
 def test_an_effect_is_named_where_little_is_left_of_the_misfit(calibrated, final, verdict):
     assert called(calibrated, final)[0] == verdict
+
+
+def test_the_error_is_told_where_it_is_not_what_the_lines_leave():
+    assert called(10.0, 1.05)[1] == "missing effect found; residual 1.05 times the noise"
+    assert called(10.0, 1.05, in_error=2.0)[1].startswith("missing effect found; residual 1.05 times the noise line by")
+    assert "and 2.0 times in the error" in called(10.0, 1.05, in_error=2.0)[1]
 
 
 @pytest.mark.parametrize(("left", "verdict"), [(0.3, "unexplained"), (0.05, "missing_effect")])

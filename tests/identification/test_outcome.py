@@ -66,6 +66,8 @@ def test_a_number_of_the_rig_is_told_in_its_unit_and_widened_by_the_misfit():
     assert rows[first.path].value == pytest.approx(value)
     assert rows[first.path].std == pytest.approx(0.2 * first.tolerance * value)
     assert wide[first.path].std == pytest.approx(0.6 * first.tolerance * value)
+    untold = {e.name: e for e in rig_estimates(fit_of(hypothesis, unknowns, 0.9, ratio=3.0))}
+    assert untold[first.path].std == pytest.approx(first.tolerance * value)  # its owner knew that much
     assert (set(rows), rows["mass"].unit) == ({"mass", "stiffness", "damping"}, "kg")
 
 
