@@ -17,6 +17,7 @@ from identification.evidence import (
 )
 from identification.fit import Fit, fit
 from identification.hypothesis import effect_unknowns
+from identification.kept_aside import KeptAside
 from identification.noise_left import NOISE_NEAR
 from identification.outcome import AT_REST_ONLY
 from identification.reached import (
@@ -291,6 +292,24 @@ def verdict_of(session: Session, calibrated: Fit, final: Fit, *, taken_out: bool
         else "unexplained: nothing in the library explains what is left"
     )
     return "unexplained"
+
+
+def refuted(session: Session, last: Fit, kept: KeptAside) -> bool:
+    """Whether a model neither reaches the noise of what it learnt from nor predicts what was kept aside: no diagnosis.
+
+    Args:
+        session: told.
+        last: the model that stands, fitted to all records.
+        kept: what it is worth on records kept aside.
+    """
+    if last.ratio <= NOISE_REACHED or not kept.missed:
+        return False
+    names = " and ".join(effect.label() for effect in last.hypothesis.effects)
+    session.decide(
+        f"unexplained: {names} comes nearest, but leaves {last.ratio:.2f} times the noise where it was fitted, and "
+        f"what was learnt does not hold on {' and '.join(kept.missed)}"
+    )
+    return True
 
 
 def _over_samples(session: Session, final: Fit) -> str:

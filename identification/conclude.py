@@ -17,7 +17,7 @@ from identification.evidence import (
 from identification.fit import Fit
 from identification.hypothesis import Hypothesis
 from identification.intervals import corrected
-from identification.kept_aside import kept_aside
+from identification.kept_aside import KeptAside
 from identification.locating.beside import BesideRun, runs_beside
 from identification.locating.locate import locate
 from identification.locating.located import Located
@@ -39,7 +39,6 @@ from identification.result import Diagnosis, Stage, Verdict
 from identification.session import Session
 from identification.together import wholly_off
 from identification.unstrained import moved_back, unstrained
-from models.record import AnyRecord
 from models.simulate import Settings, Trace
 
 
@@ -86,13 +85,12 @@ UNFINISHED = 0.01
 
 def concluded(
     session: Session,
-    given: Hypothesis,
     stages: list[Stage],
     rounds: Sequence[Sequence[Ranked]],
     verdict: Verdict,
     final: Fit,
     polished: Fit,
-    holdout: Sequence[AnyRecord],
+    kept: KeptAside,
     seed: int,
     began: float,
 ) -> Diagnosis:
@@ -100,13 +98,12 @@ def concluded(
 
     Args:
         session: records and what was decided.
-        given: the rig as its owner describes it.
         stages: models so far.
         rounds: effects ranked in each round.
         verdict: what the end is called.
         final: the model that stands, fitted to a part of the records.
         polished: the same, on all records, with honest intervals (``settled``).
-        holdout: records kept aside.
+        kept: what the model that stands is worth on records kept aside.
         seed: of every random choice.
         began: when the diagnosis did, s.
     """
@@ -132,7 +129,6 @@ def concluded(
     beside = runs_beside(heard, calibrated.hypothesis)
     forces = forces_of(beside)
     updated_maps = tuple(error_map(record) for record in stages[-1].score.records)
-    kept = kept_aside(session, given, polished.hypothesis, holdout)
     among = tried(stages[-1].score, holds=not kept.missed)
     located = _located(session, heard, calibrated.hypothesis, beside)
     proposal = next_experiment(
@@ -143,7 +139,7 @@ def concluded(
         maps=updated_maps,
         forces=forces,
         located=located,
-        kept_aside=bool(holdout),
+        kept_aside=bool(kept.scores),
         missed=tuple(kept.missed),
     )
     return Diagnosis(

@@ -13,6 +13,7 @@ from identification.acceptance import (
     is_enough,
     is_explained,
     pruned,
+    refuted,
     verdict_of,
 )
 from identification.alone import one_alone
@@ -29,6 +30,7 @@ from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis
 from identification.in_all_sleeves import fallen_apart, in_all_sleeves
 from identification.instead import instead_of
+from identification.kept_aside import kept_aside
 from identification.outcome import AT_REST_ONLY
 from identification.prepare import cut_to, horizons, prepare
 from identification.progress import Progress, silent
@@ -123,8 +125,13 @@ def diagnose(
         chain, rounds = _revised(session, chain, rounds, stages)
     chain[-1], rounds = fallen_apart(chain[-1], rounds)
     verdict, final, last = _ended(session, chain, rounds, stages)
+    kept = kept_aside(session, given, last.hypothesis, holdout)
+    if verdict == "missing_effect" and refuted(session, last, kept):
+        verdict, final = "unexplained", chain[0]
+        last = settled(session, final)
+        kept = kept_aside(session, given, last.hypothesis, holdout)
     calibration = one_set_of_numbers(session, chain[0], verdict)
-    found = concluded(session, given, stages, rounds, verdict, final, last, holdout, seed, began)
+    found = concluded(session, stages, rounds, verdict, final, last, kept, seed, began)
     return replace(found, calibration=calibration)
 
 

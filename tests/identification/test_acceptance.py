@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from trial_records import REFERENCE, evaluator_of, fit_of, measured, moved, multisine, oscillator
 
-from identification.acceptance import _refined, accepted, in_doubt, is_enough, is_explained, pruned, verdict_of
+from identification.acceptance import _refined, accepted, in_doubt, is_enough, is_explained, pruned, refuted, verdict_of
 from identification.established import NO_SIZE
 from identification.evaluate import unwhitened
 from identification.evidence import Ranked
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
+from identification.kept_aside import KeptAside
 from identification.prepare import Horizon
 from identification.reached import missed
 from identification.rest_target import ModesTarget
@@ -75,6 +76,17 @@ def called(calibrated, final=None, in_error=None, **session):
 )
 def test_an_effect_is_named_where_little_is_left_of_the_misfit(calibrated, final, verdict):
     assert called(calibrated, final)[0] == verdict
+
+
+@pytest.mark.parametrize(("ratio", "missed", "expected"), [(1.3, True, True), (1.1, True, False), (1.3, False, False)])
+def test_what_neither_reaches_the_noise_nor_predicts_is_no_diagnosis(ratio, missed, expected):
+    session, last = Listener(), fit_with_ratio(ratio, effect=True)
+    kept = KeptAside({}, {"burst": "what was learnt does not hold there"} if missed else {})
+
+    assert refuted(session, last, kept) == expected
+
+    told = f"unexplained: {MASS.label()} comes nearest, but leaves 1.30 times the noise where it was fitted, and what "
+    assert session.decisions == ([f"{told}was learnt does not hold on burst"] if expected else [])
 
 
 def test_the_error_is_told_where_it_is_not_what_the_lines_leave():

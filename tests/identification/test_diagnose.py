@@ -141,6 +141,21 @@ def test_what_the_library_lacks_is_called_unexplained():
     assert any("unexplained" in decision for decision in found.decisions)
 
 
+def test_what_the_records_kept_aside_refute_is_not_named(monkeypatch):
+    rig = oscillator("displacement")
+    stiffness = 0.3 * rig.structure.stiffness / 1e-3**2
+    truth = Hypothesis(rig, effects=(CubicStiffness(Place(), stiffness=stiffness),))
+    named = learnt_from(truth, rig, rms=10.0, registry=few("cubic_stiffness"), holdout=(7,))
+    monkeypatch.setattr("identification.diagnose.refuted", lambda *_: True)
+
+    found = learnt_from(truth, rig, rms=10.0, registry=few("cubic_stiffness"), holdout=(7,))
+
+    assert (named.verdict, found.verdict, found.added) == ("missing_effect", "unexplained", ())
+    assert found.final.label == "calibrated"
+    assert found.candidates[0].effect.kind == "cubic_stiffness"
+    assert found.holdout["updated"].nrmse > 5.0 * named.holdout["updated"].nrmse
+
+
 def test_what_is_decided_is_told():
     told, rig = [], oscillator()
     record, _ = measured(Hypothesis(rig), multisine(4096))  # of 1 s, the noise is told 30 % too low
