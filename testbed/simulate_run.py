@@ -92,12 +92,15 @@ def run_experiment(order: Order, out: Path, *, jobs: int, progress: Progress, po
         with staged(out) as stage:
             content = _content(order, [known[run.name] for run in runs if run.name in known])
             (stage / SIMULATION).write_text(json_text(content), encoding="utf-8")
-        progress(
-            f"{done} of {len(todo)}: {row['record']}, {row['seconds_of_motion']:.3g} s of motion; {row['choices'][-1]}"
-        )
+        progress(f"{done} of {len(todo)}: {row['record']}, {row['seconds_of_motion']:.3g} s of motion; {_briefly(row)}")
     with staged(out) as stage:
         (stage / TRUTH).write_text(tomlkit.dumps(_truth(laboratory, experiment, order)), encoding="utf-8")
     return _content(order, [known[run.name] for run in runs])
+
+
+def _briefly(row: Json) -> str:
+    """The last choice of a run without its reason, which is told once for all runs."""
+    return str(row["choices"][-1]).partition(":")[0]
 
 
 def _check_format(run: Run, rig: Rig, suffix: str) -> None:
@@ -168,7 +171,8 @@ def one_run(order: Order, out: Path, number: int) -> Json:
             save(contact_figure(motion, laboratory.plant, run.name), stage / "figures", run.name)
             if motion.across is not None:
                 save(orbit_figure(motion, laboratory.plant, run.name), stage / "figures", f"{run.name}-orbit")
-    return {"record": file, "sha256": sha256(out / file), **_row(run, motion, laboratory.plant)}
+    at_end = laboratory.at_their_ends(record)
+    return {"record": file, "sha256": sha256(out / file), **_row(run, motion, laboratory.plant), "clipped": at_end}
 
 
 def _row(run: Run, motion: Motion, plant: Plant) -> Json:

@@ -92,7 +92,7 @@ def test_beside_a_rig_the_excitation_is_the_rigs_own(command, capsys):
 @pytest.mark.parametrize("command", ["frf", "budget"])
 def test_without_names_a_channel_of_the_file(command, capsys):
     assert main([command, "burst.csv", "--without", "P9"]) == 2
-    message = "--without P9; the channels of burst.csv are shaker, P1, P2, P3; the nearest one is P"
+    message = "--without P9; the channels of burst.csv are shaker, P1, P2, P3; name one of them"
     assert message in capsys.readouterr().err
 
 
