@@ -24,6 +24,11 @@ Parts = Annotated[
 Steps = Annotated[
     int | None, typer.Option("--steps", min=1, help="Steps per sample; chosen and explained unless given.")
 ]
+TruthFile = Annotated[
+    Path | None,
+    typer.Option("--truth", metavar="FILE", help="Test the rig of an earlier virtual test, whose truth.toml this is."),
+]
+Prefix = Annotated[str, typer.Option("--prefix", metavar="TEXT", help="Before the names of the records.")]
 Spatial = Annotated[
     bool, typer.Option("--spatial", help="Let the beam leave the rig's plane, in sleeves that are round.")
 ]
@@ -39,6 +44,8 @@ def simulate(
     parts: Parts = None,
     steps: Steps = None,
     spatial: Spatial = False,
+    truth: TruthFile = None,
+    prefix: Prefix = "",
     jobs: Jobs = 2,
     as_json: AsJson = False,
 ) -> None:
@@ -48,7 +55,7 @@ def simulate(
         from models.simulators.protocol import Resolution
         from testbed.simulate_run import Order, run_experiment
 
-        order = Order(rig, experiment, using, Resolution(parts, steps, spatial=spatial), f".{form}")
+        order = Order(rig, experiment, using, Resolution(parts, steps, spatial=spatial), f".{form}", truth, prefix)
         content = run_experiment(order, folder, jobs=jobs, progress=tell)
     from testbed.check import counted
     from testbed.cli.tables import print_json, print_table, say

@@ -262,3 +262,55 @@ def test_a_mistake_is_told_at_the_key_where_it_stands(text, message, tmp_path, c
     (tmp_path / "test.toml").write_text(text)
     assert main(["simulate", str(RIG), str(tmp_path / "test.toml"), "--out", str(tmp_path / "out")]) == 2
     assert message in capsys.readouterr().err
+
+
+NEXT = """
+fs = 1024.0
+seed = 8
+[excitation]
+kind = "multisine"
+rms = 6.0
+period = 0.25
+periods = 2
+high = 200.0
+"""
+
+
+def test_the_next_test_is_carried_out_on_the_very_rig_of_an_earlier_one(folder, tmp_path):
+    (tmp_path / "next.toml").write_text(NEXT)
+    truth = folder / "out" / "truth.toml"
+    order = ["simulate", str(RIG), str(tmp_path / "next.toml"), "--jobs", "1", "--prefix", "next_"]
+    assert main([*order, "--truth", str(truth), "--out", str(tmp_path / "same")]) == 0
+    assert main([*order, "--out", str(tmp_path / "drawing")]) == 0
+    told, before = (tomllib.loads(path.read_text()) for path in (tmp_path / "same" / "truth.toml", truth))
+    for key in ("parameters", "effects", "sensor_positions"):
+        assert told[key] == before[key]
+    assert told["seed"] == 8
+    same, drawing = (
+        read_record(tmp_path / name / "next_multisine_6.uff", read_rig(RIG)) for name in ("same", "drawing")
+    )
+    # The same phases on both; the film and the numbers that are off show in the motion.
+    assert np.linalg.norm(same.responses - drawing.responses) > 0.05 * np.linalg.norm(drawing.responses)
+
+
+@pytest.mark.parametrize(
+    ("truth", "text", "message"),
+    [
+        (None, NEXT, "No such file or directory; truth.toml, which testbed simulate writes, says what was tested"),
+        ("seed = 3\n", NEXT, "effects is missing; "),
+        (
+            "effects = []\n[parameters]\nmass = 3.0\n",
+            NEXT,
+            "truth.toml: parameters.mass; the toleranced numbers of this",
+        ),
+        ("effects = []\n[parameters]\n", f"{NEXT}[truth]\nperturbed = true\n", "next.toml: [truth] beside --truth; "),
+    ],
+)
+def test_a_truth_that_does_not_fit_is_told(truth, text, message, tmp_path, capsys):
+    (tmp_path / "next.toml").write_text(text)
+    if truth is not None:
+        (tmp_path / "truth.toml").write_text(truth)
+    order = ["simulate", str(RIG), str(tmp_path / "next.toml"), "--truth", str(tmp_path / "truth.toml")]
+    assert main([*order, "--out", str(tmp_path / "out")]) == 2
+    assert message in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
