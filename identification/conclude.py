@@ -55,8 +55,8 @@ def one_set_of_numbers(session: Session, calibrated: Fit, verdict: Verdict) -> t
         return ()
     if verdict == "complete":
         return beyond_models(found, calibrated)
-    for each in found:
-        session.progress(each.told)
+    if found:
+        session.progress(f"{len(found)} of them contradict each other or their tolerances; told with the result")
     return found
 
 

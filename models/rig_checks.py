@@ -1,7 +1,7 @@
 """Whether the parts of a rig fit together: places on the structure, unique names, known tolerances."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import TYPE_CHECKING
@@ -36,9 +36,9 @@ def misfits(rig: "Rig") -> Iterator[Misfit]:
     yield from _unknown_names(rig)
 
 
-def nearest(key: str, known: list[str]) -> str:
-    """The known key that reads most like the given one."""
-    return get_close_matches(key, known, n=1, cutoff=0.0)[0]
+def nearest(key: str, known: Sequence[str]) -> str | None:
+    """The known key that reads most like the given one; None where none is near enough to be meant."""
+    return next(iter(get_close_matches(key, known, n=1)), None)
 
 
 def _unknown_tolerances(rig: "Rig") -> Iterator[Misfit]:
@@ -47,10 +47,11 @@ def _unknown_tolerances(rig: "Rig") -> Iterator[Misfit]:
         known += [f"sleeves.{key}" for key in Sleeve.uncertain]
     for key in rig.tolerances:
         if key not in known:
+            near = nearest(key, known)
             yield Misfit(
                 f'tolerances has the unknown key "{key}"',
                 f"the numbers of this rig that can have a tolerance are {', '.join(known)}",
-                f'the nearest one is "{nearest(key, known)}"',
+                f'the nearest one is "{near}"' if near else "take one of them, or leave it out",
             )
 
 

@@ -103,7 +103,10 @@ def _given(detail: ErrorDetails) -> str:
 
 
 def _breach(detail: ErrorDetails) -> Words:
-    return _given(detail), _term(detail).rule, _term(detail).mend
+    mend = _term(detail).mend
+    if detail["loc"][0] == "tolerances" and not isinstance(detail["input"], dict):
+        mend = f"for 3 % write {_path(_location(detail)[1:])} = 0.03; leave out what is certain"
+    return _given(detail), _term(detail).rule, mend
 
 
 def _not_a_number(detail: ErrorDetails) -> Words:
@@ -128,7 +131,7 @@ def _unknown(detail: ErrorDetails) -> Words:
     return (
         f"{_path(_location(detail))} is unknown",
         f"the keys of {_table(detail)} are {', '.join(known)}",
-        f"the nearest one is {_HEADS.get(near, near)}",
+        f"the nearest one is {_HEADS.get(near, near)}" if near else "take one of them, or remove it",
     )
 
 

@@ -98,10 +98,22 @@ def _parse(text: str, file: str) -> Rig:
             "a rig file is valid TOML",
             "correct that line; decimals take a point, texts stand in quotes, and a key stands once in its table",
         ) from error
+    if "structure" not in content and "kind" in _table(content, "excitation"):
+        raise InputError(
+            f"{file}: an experiment in the place of the rig",
+            "a rig file has [structure], and its [excitation] has no kind",
+            "name the rig file first; an experiment goes to testbed simulate, after the rig",
+        )
     try:
         return Rig.model_validate(content)
     except ValidationError as error:
         raise first_fault(file, error) from error
+
+
+def _table(content: dict[str, Any], key: str) -> dict[str, Any]:
+    """A table of a file, empty where it has none of that name."""
+    table = content.get(key)
+    return table if isinstance(table, dict) else {}
 
 
 def _read_text(path: Path) -> str:

@@ -10,10 +10,10 @@ import numpy as np
 from pydantic import ValidationError
 
 from identification.outcome import effect_estimates, rig_estimates
-from models.effects import Effect
+from models.effects import EFFECTS, Effect
 from models.errors import InputError
 from models.record import Record
-from models.rig import EffectEntry
+from models.rig import EffectEntry, Rig
 from models.rig_parts import term
 from testbed.add import Added, add_effect, pattern_of
 from testbed.compare_run import write_comparison
@@ -72,7 +72,28 @@ def check_effect(rig_path: Path, kind: str, settings: Mapping[str, Any]) -> None
     Raises:
         InputError: a rig file with errors, or an effect that does not fit the rig.
     """
-    pattern_of(whole_rig(rig_path), _entry(kind, settings))
+    rig = whole_rig(rig_path)
+    _check_place(rig, kind, settings)
+    pattern_of(rig, _entry(kind, settings))
+
+
+def _check_place(rig: Rig, kind: str, settings: Mapping[str, Any]) -> None:
+    """Refuse a kind that sits somewhere and was told no place, in the words of the command's options."""
+    places = EFFECTS[kind].places if kind in EFFECTS and rig.structure.kind == "beam" else ()
+    if not places or set(settings) & {"sleeve", "position", "sensor", "other"}:
+        return
+    sleeves, sensors = (", ".join(part.name for part in parts) for parts in (rig.sleeves, rig.sensors))
+    ways = {
+        "sleeve": f"--sleeve NAME: {sleeves or 'this rig has none'}",
+        "position": f"--position M, up to {getattr(rig.structure, 'length', 0.0):g}",
+        "sensor": f"--sensor NAME: {sensors}",
+        "sensor pair": f"--sensor NAME --other NAME: {sensors}",
+    }
+    raise InputError(
+        f"{kind} without a place",
+        f"it sits at one {' or '.join(places)}",
+        f"give {', or '.join(ways[place] for place in places)}",
+    )
 
 
 def _entry(kind: str, settings: Mapping[str, Any]) -> EffectEntry:

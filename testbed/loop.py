@@ -147,6 +147,7 @@ def _where(diagnosis: Diagnosis) -> Json:
         "forces": [_force(force) for force in diagnosis.missing_forces],
         **({} if diagnosis.located is None else _located(diagnosis.located)),
         "findings": list(diagnosis.all_findings),
+        "of_calibrated": [finding.told for finding in diagnosis.calibration],
         "linear": {
             label: [_linear(row) for row in stage.score.at_rest]
             for label, stage in (("as given", diagnosis.stages[0]), ("updated", diagnosis.final))

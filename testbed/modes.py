@@ -9,10 +9,13 @@ from models.arrays import ComplexArray, FloatArray
 from models.errors import InputError
 from models.linear import Linearised, NaturalModes, linearised, natural_modes
 from models.modal import build_modal
-from models.plant import build_plant
+from models.plant import Plant, build_plant
 from models.rig import Rig, Sensor
 
 SHAPE_POINTS = 201
+
+LOWEST_LOOKED_UP_TO, HIGHEST_LOOKED_UP_TO = 10.0, 1e4
+"""Hz, between which the first mode is looked for where none was asked for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,16 +49,28 @@ def rig_modes(rig: Rig, highest: float) -> RigModes:
     linear = linearised(build_modal(plant, highest))
     modes = natural_modes(linear, plant.sensors, highest)
     if not len(modes.natural_freqs):
+        first = _first_mode(plant, highest)
         raise InputError(
             f"no mode oscillates up to {highest:g} Hz",
             "modes are shown up to the frequency of --up-to",
-            "raise it",
+            "raise it" if first is None else f"raise it: the first mode is at {first:.4g} Hz",
         )
     if not plant.structure.is_beam:
         return RigModes(linear, modes, None, modes.shapes)
     x = np.linspace(0.0, plant.structure.length, SHAPE_POINTS)
     along = [Sensor(name=f"{position:g} m", position=float(position), quantity="displacement") for position in x]
     return RigModes(linear, modes, x, natural_modes(linear, along, highest).shapes)
+
+
+def _first_mode(plant: Plant, above: float) -> float | None:
+    """The lowest natural frequency, Hz, of a rig that has none up to one; None where none is found."""
+    highest = max(above, LOWEST_LOOKED_UP_TO)
+    while highest < HIGHEST_LOOKED_UP_TO:
+        highest *= 4.0
+        freqs = natural_modes(linearised(build_modal(plant, highest)), plant.sensors, highest).natural_freqs
+        if len(freqs):
+            return float(freqs.min())
+    return None
 
 
 def modes_json(found: RigModes) -> dict[str, Any]:

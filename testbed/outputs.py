@@ -50,6 +50,11 @@ def _check_folder(out: Path, folder: Path) -> None:
         raise _closed(out, f"{there} is a file")
     if not os.access(there, os.W_OK | os.X_OK):
         raise _closed(out, f"{there} is closed for writing")
+    try:
+        # Where nothing can be made (/proc, a full disk, a read-only mount) permissions do not say so: try.
+        Path(tempfile.mkdtemp(prefix=".writing-", dir=there)).rmdir()
+    except OSError as error:
+        raise _closed(out, f"nothing can be made in {there} ({error.strerror})") from error
 
 
 def _closed(out: Path, reason: str) -> InputError:

@@ -4,7 +4,7 @@ import hashlib
 import json
 from collections.abc import Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -29,6 +29,7 @@ from testbed.records.write import node_at, write_record
 from testbed.virtual.campaign import Run, runs_of
 from testbed.virtual.experiment import Experiment, read_experiment
 from testbed.virtual.laboratory import Laboratory, carry_out, laboratory_of
+from testbed.virtual.truth_file import on_the_same_rig, read_truth
 from testbed.whole_rig import whole_rig
 
 TRUTH, SIMULATION = "truth.toml", "simulation.json"
@@ -44,6 +45,8 @@ class Order:
         simulator: by name.
         resolution: how finely.
         suffix: of the records.
+        truth_path: truth of an earlier test, whose rig this one is carried out on; None for the experiment's own.
+        prefix: before the names of the records.
     """
 
     rig_path: Path
@@ -51,10 +54,13 @@ class Order:
     simulator: str
     resolution: Resolution
     suffix: str
+    truth_path: Path | None = None
+    prefix: str = ""
 
     def digest(self) -> str:
         """By which a run that was stopped is known again."""
         asked = [__version__, sha256(self.rig_path), sha256(self.experiment_path), self.simulator, self.resolution]
+        asked += [None if self.truth_path is None else sha256(self.truth_path), self.prefix]
         return hashlib.sha256(repr(asked).encode()).hexdigest()
 
 
@@ -75,9 +81,7 @@ def run_experiment(order: Order, out: Path, *, jobs: int, progress: Progress, po
         InputError: a rig, an experiment or a simulator that do not fit together, or a folder that cannot be written.
         ArithmeticError: the motion left the finite numbers.
     """
-    rig, experiment = whole_rig(order.rig_path), read_experiment(order.experiment_path)
-    with in_file(order.experiment_path.name):
-        runs, laboratory = runs_of(experiment, rig), laboratory_of(experiment, rig)
+    rig, experiment, runs, laboratory = _planned(order)
     for run in runs:
         simulator(order.simulator).check(laboratory.plant, order.resolution, run.trial.angle)
         _check_format(run, rig, order.suffix)
@@ -92,12 +96,26 @@ def run_experiment(order: Order, out: Path, *, jobs: int, progress: Progress, po
         with staged(out) as stage:
             content = _content(order, [known[run.name] for run in runs if run.name in known])
             (stage / SIMULATION).write_text(json_text(content), encoding="utf-8")
-        progress(
-            f"{done} of {len(todo)}: {row['record']}, {row['seconds_of_motion']:.3g} s of motion; {row['choices'][-1]}"
-        )
+        progress(f"{done} of {len(todo)}: {row['record']}, {row['seconds_of_motion']:.3g} s of motion; {_briefly(row)}")
     with staged(out) as stage:
         (stage / TRUTH).write_text(tomlkit.dumps(_truth(laboratory, experiment, order)), encoding="utf-8")
     return _content(order, [known[run.name] for run in runs])
+
+
+def _planned(order: Order) -> tuple[Rig, Experiment, tuple[Run, ...], Laboratory]:
+    """What is to be done, on which rig."""
+    rig, experiment = whole_rig(order.rig_path), read_experiment(order.experiment_path)
+    known = None if order.truth_path is None else read_truth(order.truth_path)
+    with in_file(order.experiment_path.name):
+        runs, laboratory = runs_of(experiment, rig), laboratory_of(experiment, rig)
+        if known is not None:
+            laboratory = on_the_same_rig(laboratory, experiment, known)
+    return rig, experiment, tuple(replace(run, name=f"{order.prefix}{run.name}") for run in runs), laboratory
+
+
+def _briefly(row: Json) -> str:
+    """The last choice of a run without its reason, which is told once for all runs."""
+    return str(row["choices"][-1]).partition(":")[0]
 
 
 def _check_format(run: Run, rig: Rig, suffix: str) -> None:
@@ -158,8 +176,8 @@ def one_run(order: Order, out: Path, number: int) -> Json:
         out: folder of the results.
         number: of the run.
     """
-    rig, experiment = whole_rig(order.rig_path), read_experiment(order.experiment_path)
-    run, laboratory = runs_of(experiment, rig)[number], laboratory_of(experiment, rig)
+    rig, _, runs, laboratory = _planned(order)
+    run = runs[number]
     record, motion = carry_out(laboratory, run, number, order.simulator, order.resolution)
     file = f"{run.name}{order.suffix}"
     with staged(out) as stage:
@@ -168,7 +186,8 @@ def one_run(order: Order, out: Path, number: int) -> Json:
             save(contact_figure(motion, laboratory.plant, run.name), stage / "figures", run.name)
             if motion.across is not None:
                 save(orbit_figure(motion, laboratory.plant, run.name), stage / "figures", f"{run.name}-orbit")
-    return {"record": file, "sha256": sha256(out / file), **_row(run, motion, laboratory.plant)}
+    at_end = laboratory.at_their_ends(record)
+    return {"record": file, "sha256": sha256(out / file), **_row(run, motion, laboratory.plant), "clipped": at_end}
 
 
 def _row(run: Run, motion: Motion, plant: Plant) -> Json:
@@ -195,7 +214,11 @@ def _row(run: Run, motion: Motion, plant: Plant) -> Json:
 def _truth(laboratory: Laboratory, experiment: Experiment, order: Order) -> tomlkit.TOMLDocument:
     """What was really tested, for whoever wants to see how close a diagnosis came."""
     document = tomlkit.document()
-    document.add(tomlkit.comment("What these records were made with; no command reads this file."))
+    document.add(
+        tomlkit.comment(
+            "What these records were made with; only testbed simulate --truth and the end of the demo read this file."
+        )
+    )
     document.add("simulator", tomlkit.item(order.simulator))
     document.add("seed", tomlkit.item(experiment.seed))
     if order.resolution.spatial:

@@ -1,6 +1,7 @@
 """The README's commands do what they say, in the order in which it gives them."""
 
 import glob
+import json
 import re
 import shlex
 import shutil
@@ -19,6 +20,72 @@ LINES = [
 COMMANDS = [words[1:] for words in LINES if words and words[0] == "testbed"]
 AFTER_A_DIAGNOSIS = ("history",)
 """Seen at work in test_history.py; here no diagnosis has left anything."""
+
+
+README = (HOUSE / "README.md").read_text(encoding="utf-8")
+IN_TABLE = {
+    "right kind and place first, one effect": "one effect: kind and place right first",
+    "right, or in a group of at most three": "one effect: right first, or in a stated group of at most three",
+    '"complete" with nothing hidden': "nothing hidden: `complete`",
+    '"unexplained" outside the library': "a law outside the library: `unexplained`",
+    "both of two effects found": "two effects: both found",
+    "numbers inside their 95 % interval": "numbers inside their 95 % intervals",
+}
+"""Rows of the hidden-effect table that hold a share, by the name of their bar in the results."""
+
+
+def _hidden_effects() -> dict[str, list[str]]:
+    """The cells of each row of the table, by its first."""
+    table = README.partition("### Hidden effects")[2].partition("###")[0]
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in table.splitlines() if line[:1] == "|"]
+    return {first: cells for first, *cells in rows}
+
+
+@pytest.mark.parametrize(("bar", "row"), IN_TABLE.items())
+def test_the_hidden_effects_stand_as_in_the_results_misses_too(bar, row):
+    results = json.loads((HOUSE / "results" / "hidden_effects" / "summary.json").read_text(encoding="utf-8"))
+    asked, reached, newest = _hidden_effects()[row]
+    over_all, latest = (
+        next(one for one in bars if one["name"] == bar) for bars in (results["bars"], results["newest"]["bars"])
+    )
+    right, of = re.match(r"(\d+) of (\d+) ", reached).groups()
+    assert (int(of), round(int(right) / int(of), 9)) == (over_all["cases"], round(over_all["value"], 9))
+    assert f"({over_all['value']:.1%})".replace("%", " %") in reached
+    assert newest.startswith(f"{latest['value']:.1%}".replace("%", " %"))
+    assert asked.startswith(f"{over_all['bar']:.0%}".rstrip("%"))
+    for told, judged in ((reached, over_all), (newest, latest)):
+        assert ("missed" in told) is not judged["met"]
+
+
+def test_the_other_figures_of_the_hidden_effects_are_those_of_the_results():
+    results = json.loads((HOUSE / "results" / "hidden_effects" / "summary.json").read_text(encoding="utf-8"))
+    for place, bars in ((1, results["bars"]), (2, results["newest"]["bars"])):
+        value = {bar["name"]: bar for bar in bars}
+        median = value["error held out after, over the true noise, median"]["value"]
+        high = value["the same, 90th percentile"]["value"]
+        held = _hidden_effects()["error on the record held out over the true noise: median, 90th percentile"]
+        assert held[place] == f"{median:.2f}, {high:.2f}"
+        seconds = next(bar for name, bar in value.items() if name.startswith("seconds"))
+        told = _hidden_effects()["seconds of a diagnosis on two threads, median"][place]
+        assert told.startswith(f"{seconds['value']:.1f}, of {seconds['cases']} cases")
+    assert f"Each of the {results['cases']} cases" in README
+    missed = [bar["name"] for bar in results["bars"] if not bar["met"]]
+    assert len(missed) == 2
+    assert "two of nine bars are missed" in README
+    assert "**Missed bars**" in README.partition("## Known limits")[2]
+
+
+def test_what_its_commands_leave_in_the_folder_is_ignored_by_git():
+    ignored = (HOUSE / ".gitignore").read_text(encoding="utf-8").splitlines()
+    folders = {words[words.index("--out") + 1] for words in LINES if "--out" in words}
+    assert {"/rig.toml", "/*.uff", *(f"/{folder}/" for folder in folders)} <= set(ignored)
+
+
+def test_its_links_lead_to_headings_that_are_there():
+    for path, anchor in re.findall(r"\]\((docs/[\w/]+\.md)#([\w-]+)\)", README):
+        heads = re.findall(r"^#+ (.*)$", (HOUSE / path).read_text(encoding="utf-8"), re.MULTILINE)
+        slugs = {re.sub(r"[^\w -]", "", head.lower()).replace(" ", "-") for head in heads}
+        assert anchor in slugs, (path, anchor)
 
 
 def test_the_targets_it_names_are_those_of_the_makefile():

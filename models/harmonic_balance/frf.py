@@ -120,7 +120,7 @@ def _begun(
         raise InputError(
             "a rig on which no law and no contact acts",
             "a nonlinear FRF is that of a rig with sleeves or effects",
-            "take its linear FRF, which is the same at every level",
+            "take its linear FRF, the same at every level: testbed frf on a record of it, and testbed modes",
         )
     equations = Equations.of(model, HARMONICS[0])
     first, begin = linear_motion(equations, np.linspace(low, high, SURVEYED)), high if downwards else low

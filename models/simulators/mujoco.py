@@ -96,7 +96,7 @@ def _still(plant: Plant, n: int, resolution: Resolution) -> RigChain:
 
 
 AUTO_SEGMENTS = (
-    ": at most nine tenths of 1 / k at the upper edge of the record's band, attached masses where they speak true"
+    ": short enough for the shortest wave of the record's band, and so that attached masses move as they do on the beam"
 )
 AUTO_STEP = ": as long as the engine is stable with the chain's highest frequency and resolves laws and contacts"
 

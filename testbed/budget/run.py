@@ -1,8 +1,9 @@
 """An error budget over files: ``budget.json`` and a figure for each sensor in a folder."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
@@ -82,7 +83,7 @@ def run_budget(order: Order, out: Path, *, progress: Progress) -> Json:
         if split.record.name in read.predicted
     }
     noticed = [finding for record in read.records if isinstance(record, Record) for finding in record.findings]
-    content = budget_json(budget, gains, noticed)
+    content = budget_json(budget, gains, noticed, read.units)
     with staged(out) as stage:
         (stage / "budget.json").write_text(json_text(content), encoding="utf-8")
         shown = [level.splits[0] for level in budget.levels]
@@ -151,15 +152,18 @@ def _rows(record: Record, names: Sequence[str]) -> list[int]:
     return [record.sensors.index(name) for name in names]
 
 
-def budget_json(budget: Budget, gains: dict[str, Gain], noticed: Sequence[str] = ()) -> Json:
+def budget_json(
+    budget: Budget, gains: dict[str, Gain], noticed: Sequence[str] = (), units: Mapping[str, str] = MappingProxyType({})
+) -> Json:
     """The content of ``budget.json``.
 
     Args:
         budget: finished.
         gains: what a model misses, by the names of records.
         noticed: what the reader of the records found.
+        units: of the sensors' channels, by name.
     """
-    return {
+    content: Json = {
         "false_alarm": FALSE_ALARM,
         "records": [
             *(_split_json(split, gains.get(split.record.name)) for split in budget.splits),
@@ -167,6 +171,10 @@ def budget_json(budget: Budget, gains: dict[str, Gain], noticed: Sequence[str] =
         ],
         "findings": [*noticed, *budget.findings()],
     }
+    for record in content["records"]:
+        for channel in record["channels"]:
+            channel["unit"] = units.get(channel["sensor"])
+    return content
 
 
 def _split_json(split: Split, gain: Gain | None) -> Json:

@@ -48,4 +48,5 @@ def budget(
         print_json(content)
         return
     print_budget(content)
-    say(f"written: {folder}/budget.json and figures")
+    drawn = any(record["repeats"] for record in content["records"])
+    say(f"written: {folder}/budget.json{' and figures' if drawn else '; no figures, since no record can be split'}")

@@ -20,13 +20,13 @@ def print_budget(content: Mapping[str, Any]) -> None:
     rows = []
     for record in content["records"]:
         for i, channel in enumerate(record["channels"]):
-            row = [record["record"] if i == 0 else "", channel["sensor"], channel["rms"]]
+            row = [record["record"] if i == 0 else "", channel["sensor"], channel["rms"], channel["unit"]]
             row += [_share(channel["rms_of"].get(part), channel["rms"]) for part in parts]
             if modelled:
                 model = channel.get("model") or {}
                 row += [_share(model.get(key), channel["rms"]) for key in ("error", "possible", "nonlinear")]
             rows.append(row)
-    heads = ["record", "sensor", "rms", *(part.replace("_", " ") for part in parts)]
+    heads = ["record", "sensor", "rms", "unit", *(part.replace("_", " ") for part in parts)]
     if modelled:
         heads += ["model's error", "a perfect model gains", "of it no linear one"]
     print_table(heads, rows, "rms of each part as a share of the sensor's")

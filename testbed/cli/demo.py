@@ -1,11 +1,14 @@
 """``testbed demo``: the whole loop on records of a virtual test, or on those that ship with the project."""
 
+import tomllib
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
+from models.errors import InputError
 from testbed.cli.diagnose import Again, diagnose_files
 from testbed.cli.options import AsJson, Jobs, Out, Seed, out_folder
 from testbed.cli.progress import progress
@@ -20,6 +23,8 @@ EXPERIMENTS = ("multisines", "sweep")
 """Files of the virtual test, carried out side by side."""
 
 DEMO = Path(__file__).parents[1] / "demo"
+
+TRUTH = "truth.toml"
 
 With = Annotated[
     str,
@@ -36,9 +41,18 @@ def demo(
     as_json: AsJson = False,
 ) -> None:
     """Make records of a rig with grease that its file does not mention, diagnose them, and say where the report is."""
+    from models.simulators import SIMULATORS
+
+    if using not in (*SIMULATORS, SHIPPED):
+        raise InputError(
+            f"--with {using}",
+            f"the records of the demo are made by {', '.join(SIMULATORS)}, or are {SHIPPED} with the project",
+            "choose one of them",
+        )
     folder = out_folder(out, Path("demo"))
     records = _shipped() if using == SHIPPED else _simulated(using, folder / "records" / using, jobs)
-    diagnose_files(
+    truth = DEMO / TRUTH if using == SHIPPED else records[0].parent / TRUTH
+    found = diagnose_files(
         DEMO / "rig.toml",
         [path for path in records if HELD_BACK not in path.stem],
         [path for path in records if HELD_BACK in path.stem],
@@ -49,6 +63,36 @@ def demo(
         again=again,
         as_json=as_json,
     )
+    if not as_json and truth.is_file():
+        from testbed.cli.tables import say
+
+        say(f"{against_truth(tomllib.loads(truth.read_text(encoding='utf-8')), found)} (truth: {truth})")
+
+
+def against_truth(truth: Mapping[str, Any], found: Mapping[str, Any]) -> str:
+    """What was hidden in a virtual test, and what the diagnosis found, in one line.
+
+    Args:
+        truth: of ``truth.toml``.
+        found: of ``diagnosis.json``.
+    """
+    from models.effects import EFFECTS
+    from testbed.cli.tables import measured, named
+
+    hidden = []
+    for effect in truth["effects"]:
+        units = {name: about.unit for name, about in EFFECTS[effect["kind"]].parameters().items()}
+        numbers = {name: {"value": effect[name], "std": None, "unit": units[name]} for name in units if name in effect}
+        hidden.append({**effect, "parameters": numbers})
+
+    def told(effects: list[dict[str, Any]]) -> str:
+        words = [
+            ", ".join([named(effect), *(f"{k} {measured(n)} {n['unit']}" for k, n in effect["parameters"].items())])
+            for effect in effects
+        ]
+        return " and ".join(words) or "nothing"
+
+    return f"hidden: {told(hidden)}; found: {told(found['effects'])}"
 
 
 def _shipped() -> list[Path]:

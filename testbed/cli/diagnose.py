@@ -2,7 +2,7 @@
 
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -56,15 +56,17 @@ def diagnose_files(
     again: bool,
     as_json: bool,
     alike: bool = False,
-) -> None:
-    """Run the loop and print what it found; shared with ``demo``."""
+) -> dict[str, Any]:
+    """Run the loop and print what it found; shared with ``demo``, which holds it against the truth."""
     with progress() as tell:
         from testbed.inputs import read_inputs
         from testbed.run import run_diagnosis
 
         inputs = read_inputs(rig, records, holdout, without=without, strict=False)
-        for finding in inputs.findings:
-            tell(finding)
+        if inputs.findings:
+            tell(
+                f"{len(inputs.findings)} findings on the files, told with the result; testbed check shows them at once"
+            )
         command = ["testbed", *sys.argv[1:]]
         outcome = run_diagnosis(
             inputs, out, seed=seed, jobs=jobs, again=again, command=command, progress=tell, alike=alike
@@ -73,10 +75,11 @@ def diagnose_files(
 
     if as_json:
         print_json(outcome.diagnosis)
-        return
+        return outcome.diagnosis
     print_diagnosis(outcome.diagnosis)
     if outcome.kept:
         say("an earlier run of the same rig, records, options and version; --again repeats it")
     say(f"report: {out}/report.html; updated rig: {out}/rig.updated.toml")
     if "excitation" in outcome.diagnosis["next_experiment"]:
         say(f"the next experiment as a file: {out}/next_experiment.toml")
+    return outcome.diagnosis

@@ -40,4 +40,4 @@ def modes(
     numbers = [(float(mode["natural_freq"]), float(mode["damping_ratio"])) for mode in content["modes"]]
     rows = [(i, f"{freq:.3f}", ratio) for i, (freq, ratio) in enumerate(numbers, start=1)]
     print_table(("mode", "frequency [Hz]", "damping ratio"), rows, "small motion about rest")
-    say(f"written: {folder}/modes.json and figures")
+    say(f"written: {folder}/modes.json{'' if found.x is None else ' and figures/modes.png'}")

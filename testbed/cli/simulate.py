@@ -1,7 +1,8 @@
 """``testbed simulate``: a virtual test with virtual sensors."""
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 
@@ -23,6 +24,11 @@ Parts = Annotated[
 Steps = Annotated[
     int | None, typer.Option("--steps", min=1, help="Steps per sample; chosen and explained unless given.")
 ]
+TruthFile = Annotated[
+    Path | None,
+    typer.Option("--truth", metavar="FILE", help="Test the rig of an earlier virtual test, whose truth.toml this is."),
+]
+Prefix = Annotated[str, typer.Option("--prefix", metavar="TEXT", help="Before the names of the records.")]
 Spatial = Annotated[
     bool, typer.Option("--spatial", help="Let the beam leave the rig's plane, in sleeves that are round.")
 ]
@@ -38,6 +44,8 @@ def simulate(
     parts: Parts = None,
     steps: Steps = None,
     spatial: Spatial = False,
+    truth: TruthFile = None,
+    prefix: Prefix = "",
     jobs: Jobs = 2,
     as_json: AsJson = False,
 ) -> None:
@@ -47,7 +55,7 @@ def simulate(
         from models.simulators.protocol import Resolution
         from testbed.simulate_run import Order, run_experiment
 
-        order = Order(rig, experiment, using, Resolution(parts, steps, spatial=spatial), f".{form}")
+        order = Order(rig, experiment, using, Resolution(parts, steps, spatial=spatial), f".{form}", truth, prefix)
         content = run_experiment(order, folder, jobs=jobs, progress=tell)
     from testbed.check import counted
     from testbed.cli.tables import print_json, print_table, say
@@ -63,7 +71,32 @@ def simulate(
         for c in row["contacts"]
     ]
     heads = ("record", "sleeve", "impacts", "share closed", "largest force [N]", "deepest [mm]")
-    print_table(heads, rows, "in the sleeves")
+    if rows:
+        print_table(heads, rows, "in the sleeves")
     worst = max(row["energy_fault"] for row in content["records"])
     say(f"energy that nobody accounts for: {worst:.2g} of what was moved, at most")
-    say(f"written: {counted(len(content['records']), 'record')}, {folder}/truth.toml, simulation.json and figures")
+    for line in clipped_lines(content):
+        say(line)
+    files = f"{folder}/truth.toml{', simulation.json and figures' if rows else ' and simulation.json'}"
+    say(f"written: {counted(len(content['records']), 'record')}, {files}")
+
+
+def clipped_lines(content: Mapping[str, Any]) -> list[str]:
+    """A warning for each record in which sensors stand at the end of their range, and what to do about it.
+
+    Args:
+        content: of ``simulation.json``.
+    """
+    lines = []
+    for row in content["records"]:
+        clipped = row.get("clipped", ())
+        if clipped:
+            worst = max(clipped, key=lambda each: each["share"])
+            others = [each["channel"] for each in clipped if each is not worst]
+            besides = f" ({', '.join(others)} too)" if others else ""
+            lines.append(
+                f"warning: {row['record']}: {worst['channel']} is clipped at {worst['range']:.4g} {worst['unit']} in "
+                f"{worst['share']:.1%} of its samples{besides}; check, compare and diagnose refuse such a record; "
+                "lower the excitation's level, or give the sensor a larger range in [sensors]"
+            )
+    return lines

@@ -97,10 +97,22 @@ def print_diagnosis(content: Mapping[str, Any]) -> None:
         print_table(("candidate", "probability", "NRMSE"), judged, "first round, each beside the calibrated rig")
     for group in content["indistinguishable"]:
         say(f"cannot be told apart by the records, tolerances aside: {', '.join(named(effect) for effect in group)}")
-    for finding in content["where"].get("findings", ()):
-        say(f"note: {finding}")
+    _print_notes(content)
     say(f"verdict: {content['verdict']}")
     print_next(content["next_experiment"])
+
+
+def _print_notes(content: Mapping[str, Any]) -> None:
+    """What was noticed in files and records; then, apart, what only the model before its effects were added shows."""
+    before = content["where"].get("of_calibrated", ())
+    for finding in content["where"].get("findings", ()):
+        if finding not in before:
+            say(f"note: {finding}")
+    if before:
+        added = ", before the effects above were added: signs of what was missing, no faults of the result"
+        say(f"the calibrated model{added if content['effects'] else ''}:")
+        for finding in before:
+            say(f"  - {finding.removeprefix('calibrated model: ')}")
 
 
 def _numbers(effect: Mapping[str, Any]) -> list[tuple[str | None, str | None, str | None]]:

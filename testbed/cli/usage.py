@@ -56,7 +56,24 @@ def usage_words(error: BaseException) -> str:
         given, rule = value
         return f"{command}: {given}; it is {rule}; correct it, or see {command} --help"
     message = error.format_message() if hasattr(error, "format_message") else str(error)
+    if context is not None and not message.strip():
+        commands = ", ".join(context.command.list_commands(context))
+        return f"{command}: nothing was named; it takes one of {commands}; see {command} --help"
+    if context is not None and message.startswith("Missing"):
+        return f"{command}: {message.rstrip('.')}; {_usage(context)}; {context.command.epilog}"
     return f"{command}: {message.rstrip('.')}; a command takes what its help shows; see {command} --help"
+
+
+def _usage(context: Any) -> str:
+    """How a command is called, with the options that it cannot do without."""
+    needed = [
+        f"{option.opts[0]} {option.metavar or option.type.name.upper()}"
+        for option in context.command.params
+        if option.required and option.param_type_name == "option"
+    ]
+    *pieces, last = context.command.collect_usage_pieces(context)
+    arguments = [piece.replace("{", "").replace("}", "") for piece in (*pieces[1:], last)]
+    return " ".join(["usage:", context.command_path, *arguments, *needed, "[OPTIONS]"])
 
 
 def _value(error: BaseException) -> tuple[str, str] | None:

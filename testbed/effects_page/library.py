@@ -1,10 +1,10 @@
 """What the library says of its kinds, as JSON."""
 
 from collections.abc import Sequence
-from difflib import get_close_matches
 
 from models.effects import EFFECTS
 from models.errors import InputError
+from models.rig_checks import nearest
 from testbed.outputs import Json
 
 
@@ -19,11 +19,11 @@ def chosen(names: Sequence[str]) -> list[str]:
     """
     for name in names:
         if name not in EFFECTS:
-            near = get_close_matches(name, EFFECTS, n=1, cutoff=0.0)
+            near = nearest(name, list(EFFECTS))
             raise InputError(
                 f"{name}: no such effect",
                 f"the library has {', '.join(sorted(EFFECTS))}",
-                f"did you mean {near[0]}?",
+                f"did you mean {near}?" if near else "name one of them",
             )
     return list(dict.fromkeys(names)) or list(EFFECTS)
 

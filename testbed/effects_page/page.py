@@ -8,6 +8,7 @@ from math import inf
 from models.effects import EFFECTS, Effect, Registry
 from models.effects.protocol import Family, Parameter, Signature, StructureKind
 from testbed.effects_page.bench import BAND, LEVELS
+from testbed.effects_page.table import table_of
 
 FIGURES = "figures/effects"
 """Folder of the pictures beside the page."""
@@ -38,7 +39,8 @@ sleeve = "sleeve 2"      # or position = 0.83, or sensor = "P3", as the tables s
 damping = 18.5           # every parameter in SI units, angles in rad
 ```
 
-Tables, signatures and pictures are made from the library by `{COMMAND}`.
+Each kind has such a table below, complete, with numbers that a rig could have: copy it and change them. Tables,
+signatures and pictures are made from the library by `{COMMAND}`.
 
 ## The frame
 
@@ -168,6 +170,10 @@ def _section(kind: type[Effect]) -> str:
         f"![{kind.kind}: where it shows and what it does]({FIGURES}/{kind.kind}.png)",
         "",
         f"Parameters: {numbers or 'none'}{_options(kind)}. Source: {kind.source}.",
+        "",
+        "```toml",
+        table_of(kind),
+        "```",
         "",
     ]
     return "\n".join(lines)

@@ -10,7 +10,7 @@ from identification.result import RecordScore
 from models.rig import Rig
 from testbed.compare import Comparison, FrfPair
 from testbed.figures.bars import plot_errors
-from testbed.figures.frf import plot_coherence, plot_frf
+from testbed.figures.frf import plot_coherence, plot_frf, tells
 from testbed.figures.overlay import plot_overlay
 from testbed.figures.save import save
 from testbed.quantities import frf_unit, unit_of
@@ -75,29 +75,34 @@ def errors_figure(row: RecordScore) -> Figure:
     ax = figure.subplots()
     plot_errors(ax, row.record.sensors, row.channel_nrmse, row.channel_noise_nrmse)
     ax.set_title(f"{row.record.name}: NRMSE {row.nrmse:.3g}, noise floor {row.noise_nrmse:.2g}", fontsize=9)
-    ax.legend(fontsize=8)
+    figure.legend(loc="outside lower center", ncols=2, fontsize=8)
     return figure
 
 
 def frf_figure(pair: FrfPair, rig: Rig) -> Figure:
-    """Measured and predicted FRF of every sensor, above its coherence where the record tells it.
+    """Measured and predicted FRF of every sensor, above its coherence where that tells something.
 
     Args:
         pair: on the same lines.
         rig: for the units.
     """
-    columns, kinds = min(2, len(pair.sensors)), 1 if pair.coherence is None else 2
-    rows = ceil(len(pair.sensors) / columns)
+    n, coherence = len(pair.sensors), pair.coherence if tells(pair.coherence) else None
+    columns, kinds = min(2, n), 1 if coherence is None else 2
+    rows = ceil(n / columns)
     figure = Figure(figsize=(6.0 * columns, 1.6 * rows * kinds), layout="constrained")
     axes = figure.subplots(kinds * rows, columns, squeeze=False, sharex=True, height_ratios=[2.0, 1.0][:kinds] * rows)
     for i, name in enumerate(pair.sensors):
         row, column = kinds * (i // columns), i % columns
         curves = {"measured": pair.measured[i], "predicted": pair.predicted[i]}
         plot_frf(axes[row, column], pair.frequency, curves, f"{name} [{frf_unit(rig, name)}]")
-        if pair.coherence is not None:
-            plot_coherence(axes[row + 1, column], pair.frequency, pair.coherence[i])
-    for ax in axes[-1]:
-        ax.set_xlabel("frequency [Hz]")
+        if coherence is not None:
+            plot_coherence(axes[row + 1, column], pair.frequency, coherence[i])
+    for column in range(columns):
+        filled = kinds * (rows if column + (rows - 1) * columns < n else rows - 1)
+        axes[filled - 1, column].set_xlabel("frequency [Hz]")
+        axes[filled - 1, column].tick_params(labelbottom=True)
+        for ax in axes[filled:, column]:
+            ax.remove()
     figure.suptitle(pair.record, fontsize=9)
     axes[0, 0].legend(fontsize=8)
     return figure

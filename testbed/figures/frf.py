@@ -24,6 +24,19 @@ def plot_frf(ax: Axes, frequency: FloatArray, curves: Mapping[str, ComplexArray]
     ax.set_ylabel(label, fontsize=8)
 
 
+ONE = 1e-9
+"""By which a coherence may differ from 1 and still be that of a single average."""
+
+
+def tells(coherence: FloatArray | None) -> bool:
+    """Whether a coherence tells anything: of one average it is 1 everywhere, whatever the noise.
+
+    Args:
+        coherence: (..., n_freq), or None where there is none.
+    """
+    return coherence is not None and bool((coherence < 1.0 - ONE).any())
+
+
 def plot_coherence(ax: Axes, frequency: FloatArray, coherence: FloatArray) -> None:
     """Coherence of one sensor with the excitation.
 

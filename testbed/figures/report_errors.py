@@ -27,7 +27,8 @@ def plot_error_steps(ax: Axes, labels: Sequence[str], errors: FloatArray, noise:
         colours: of the models.
     """
     place = np.arange(len(labels))
-    values = 100.0 * np.asarray(errors)
+    values = 100.0 * np.array([_three_digits(error) for error in errors])
+    noise = _three_digits(noise)
     ax.step(place, values, where="mid", color="#bbbbbb", linewidth=1.0, zorder=1)
     ax.scatter(place, values, s=46, c=list(colours), zorder=3, label="records learned from")
     for x, y in zip(place, values, strict=True):
@@ -60,7 +61,7 @@ def plot_holdout(ax: Axes, place: Sequence[int], errors: FloatArray, noise: floa
         errors: NRMSE of each.
         noise: NRMSE of a perfect model on these records.
     """
-    x, values = np.asarray(place) + 0.18, 100.0 * np.asarray(errors)
+    x, values = np.asarray(place) + 0.18, 100.0 * np.array([_three_digits(error) for error in errors])
     ax.scatter(
         x, values, s=40, marker="D", facecolors="none", edgecolors=MEASURED, linewidths=1.0, zorder=3,
         label=f"records kept aside (noise {100.0 * noise:.2g} %)",
@@ -78,6 +79,11 @@ def plot_holdout(ax: Axes, place: Sequence[int], errors: FloatArray, noise: floa
         )
     low, high = ax.get_ylim()
     ax.set_ylim(min(low, values.min() / ROOM), max(high, values.max() * ROOM))
+
+
+def _three_digits(error: float) -> float:
+    """So that the rounding of another run moves no point of a picture that is kept in git."""
+    return float(f"{error:.3g}")
 
 
 ROOM = 1.6

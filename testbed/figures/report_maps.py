@@ -15,7 +15,7 @@ AT_NOISE = "#e9edf1"
 """Cells whose error the noise explains."""
 
 NOISE_MARGIN = 1.5
-TICKS = 7
+TICKS, FEWEST_TICKS = 7, 2
 
 
 def plot_frequency_map(
@@ -32,10 +32,26 @@ def plot_frequency_map(
         norm: of the colours.
     """
     mesh = _mesh(ax, np.ma.masked_array(error, error <= NOISE_MARGIN * noise), sensors, norm)
-    shown = np.unique(np.linspace(0, len(frequency) - 1, min(TICKS, len(frequency))).round().astype(int))
-    ax.set_xticks(shown + 0.5, [f"{frequency[i]:.3g}" for i in shown])
+    places, labels = frequency_ticks(frequency)
+    ax.set_xticks(places, labels)
     ax.set_xlabel("frequency [Hz]")
     return mesh
+
+
+def frequency_ticks(frequency: FloatArray) -> tuple[FloatArray, list[str]]:
+    """Where 1, 2, 5, 10 ... Hz lie on an axis that counts bands; the bands' own centres where fewer than two do.
+
+    Args:
+        frequency: (n_bands,) centres, Hz, growing; band i reaches from i to i + 1 on the axis.
+    """
+    decades = 10.0 ** np.arange(np.floor(np.log10(frequency[0])), np.ceil(np.log10(frequency[-1])) + 1.0)
+    rounds = np.outer(decades, (1.0, 2.0, 5.0)).ravel()
+    rounds = rounds[(rounds >= frequency[0]) & (rounds <= frequency[-1])]
+    if len(rounds) < FEWEST_TICKS:
+        shown = np.unique(np.linspace(0, len(frequency) - 1, min(TICKS, len(frequency))).round().astype(int))
+        return shown + 0.5, [f"{frequency[i]:.3g}" for i in shown]
+    places = np.interp(np.log(rounds), np.log(frequency), np.arange(len(frequency)) + 0.5)
+    return places, [f"{value:g}" for value in rounds]
 
 
 def plot_time_map(ax: Axes, time: FloatArray, sensors: Sequence[str], error: FloatArray, norm: LogNorm) -> QuadMesh:

@@ -20,14 +20,17 @@ def sweep_figure(found: Sweep) -> Figure:
     for curve in found.curves:
         level = float(curve.amplitudes[0])
         peaks, label = curve.peaks([found.sensor])[:, 0], f"{level:g} {found.level_unit}"
-        plot_curve(ax, curve.freqs, peaks, curve.is_stable, f"C{levels.index(level)}", label, "unstable")
+        plot_curve(ax, curve.freqs, peaks, curve.is_stable, f"C{levels.index(level)}", label, None)
     if found.spine is not None:
         peaks = found.spine.peaks([found.sensor])[:, 0]
         ax.plot(found.spine.freqs, peaks, "--", color="0.25", linewidth=1.2, label="backbone")
+    if any(not curve.is_stable.all() for curve in found.curves):
+        ax.plot([], [], ":", color="0.25", linewidth=1.0, label="dotted: unstable")
     lines, names = ax.get_legend_handles_labels()
     once = dict(zip(names, lines, strict=True))
     ax.legend(once.values(), once.keys(), fontsize=8)
-    ax.set(xlim=found.band, xlabel="frequency of the sine [Hz]", ylabel=f"{found.sensor} [{found.unit}]", yscale="log")
+    ax.set(xlim=found.band, xlabel="frequency of the sine [Hz]", yscale="log")
+    ax.set_ylabel(f"half the swing of {found.sensor} [{found.unit}]")
     ax.grid(visible=True, which="both", color="0.92")
     return figure
 

@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from itertools import count, islice
 from typing import Any
 
 from models.effects import EFFECTS, Effect
 from models.errors import InputError
+from models.rig_checks import nearest
 from testbed.hidden_effects.sets import SETS
 
 NOTHING, TWO, OUTSIDE = "nothing", "two", "outside"
@@ -71,8 +71,9 @@ def planned(case_set: str, cases: int, only: Sequence[str] = ()) -> tuple[Task, 
     known = (NOTHING, TWO, OUTSIDE, *KINDS)
     for kind in only:
         if kind not in known:
-            near = get_close_matches(kind, known, n=1, cutoff=0.0)[0]
-            raise InputError(f"--only {kind}", f"the classes and kinds are {', '.join(known)}", f"did you mean {near}?")
+            near = nearest(kind, known)
+            mend = f"did you mean {near}?" if near else "name one of them"
+            raise InputError(f"--only {kind}", f"the classes and kinds are {', '.join(known)}", mend)
     order = (
         Task(case_set, seed, kind, number)
         for seed, batch in SETS[case_set].batches.items()

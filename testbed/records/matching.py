@@ -138,7 +138,8 @@ def not_left_out(name: str, channels: str, known: list[str]) -> InputError:
         channels: whose they are, in words.
         known: their names.
     """
-    mend = f"the nearest one is {nearest(name, known)}" if known else "leave --without away"
+    near = nearest(name, known)
+    mend = f"the nearest one is {near}" if near else "name one of them" if known else "leave --without away"
     return InputError(f"--without {name}", f"{channels} are {', '.join(known)}", mend)
 
 

@@ -11,6 +11,7 @@ from identification.result import Diagnosis, ErrorMap, FrfScore, MissingForce, R
 from models.errors import InputError
 from models.rig import Rig
 from testbed.compare import FrfPair, frf_pair, score_frfs
+from testbed.figures.frf import tells
 from testbed.figures.report_calibration import plot_pulls
 from testbed.figures.report_errors import plot_error_steps, plot_holdout
 from testbed.figures.report_force import plot_force_in_time, plot_force_over
@@ -104,6 +105,7 @@ def _pair(stage: Stage, name: str) -> FrfPair | None:
 
 def _frf_picture(pairs: Sequence[FrfPair], models: Sequence[Stage], diagnosis: Diagnosis, rig: Rig) -> Picture:
     measured = pairs[0]
+    coherence = measured.coherence if tells(measured.coherence) else None
     misses = np.linalg.norm(np.abs(pairs[0].predicted) - np.abs(measured.measured), axis=1)
     misses /= np.linalg.norm(measured.measured, axis=1)
     chosen = sorted(np.argsort(misses)[::-1][:SENSORS])
@@ -116,16 +118,16 @@ def _frf_picture(pairs: Sequence[FrfPair], models: Sequence[Stage], diagnosis: D
     for k, i in enumerate(chosen):
         cell = grid[k // columns, k % columns]
         pair_grid = cell.subgridspec(2, 1, height_ratios=(4, 1), hspace=0.12)
-        top = lowest = figure.add_subplot(cell if measured.coherence is None else pair_grid[0])
+        top = lowest = figure.add_subplot(cell if coherence is None else pair_grid[0])
         curves = [
             Curve(stage.label, COLOURS[stage_kind(diagnosis, stage)], pair.predicted[i])
             for stage, pair in zip(models, pairs, strict=False)
         ]
         title = f"{measured.sensors[i]}  [{frf_unit(rig, measured.sensors[i])}]"
         plot_frfs(top, measured.frequency, measured.measured[i], curves, title)
-        if measured.coherence is not None:
+        if coherence is not None:
             lowest = figure.add_subplot(pair_grid[1], sharex=top)
-            plot_coherence_strip(lowest, measured.frequency, measured.coherence[i])
+            plot_coherence_strip(lowest, measured.frequency, coherence[i])
         lowest.tick_params(labelbottom=True)
         if k >= len(chosen) - columns:
             lowest.set_xlabel("frequency [Hz]")
@@ -133,8 +135,8 @@ def _frf_picture(pairs: Sequence[FrfPair], models: Sequence[Stage], diagnosis: D
     figure.legend(handles, labels, loc="upper center", ncols=len(labels))
     left_out = len(measured.sensors) - len(chosen)
     omitted = f" {left_out} sensors that the given model misses less are left out." if left_out else ""
-    coherence = "" if measured.coherence is None else ", and below each the coherence of the measurement (shaded)"
-    return picture(figure, f"FRFs of {measured.record}", f"{measured.record}: FRF magnitude{coherence}.{omitted}")
+    strips = "" if coherence is None else ", and below each the coherence of the measurement (shaded)"
+    return picture(figure, f"FRFs of {measured.record}", f"{measured.record}: FRF magnitude{strips}.{omitted}")
 
 
 def map_pictures(diagnosis: Diagnosis, rig: Rig) -> list[Picture]:

@@ -61,6 +61,17 @@ class Bought:
             heard = step * np.round(heard / step)
         return np.asarray(heard)
 
+    def share_at_end(self, reading: FloatArray) -> float:
+        """Share of a channel's samples that stand at the end of the sensor's range, clipped.
+
+        Args:
+            reading: (N,) as ``reads`` gives it.
+        """
+        return float(np.mean(np.abs(reading) >= self.range * (1.0 - AT_END)))
+
+
+AT_END = 1e-9
+"""Share of the range by which a reading at its end may be rounded."""
 
 PRESETS: dict[str, Bought] = {
     "PCB 352C66": Bought(

@@ -168,6 +168,12 @@ def read_experiment(path: Path) -> Experiment:
         raise InputError(f"{path}: {error.strerror}", "an experiment is a TOML file", "correct the path") from error
     except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise InputError(f"{path.name}: {error}", "an experiment is a TOML file", "correct it there") from error
+    if "structure" in content:
+        raise InputError(
+            f"{path.name}: a rig file in the place of the experiment",
+            "an experiment has an [excitation] with a kind, and no [structure]",
+            f"name the rig first and then an experiment; {LOOK}",
+        )
     try:
         experiment = Experiment.model_validate(content)
     except ValidationError as error:
@@ -227,12 +233,20 @@ def _fault(error: ValidationError, file: str) -> InputError:
         kind = first.get("ctx", {}).get("tag", "none")
         return InputError(f"{where}.kind = {kind}", f"a kind is one of {', '.join(EXCITATIONS)}", "choose one of them")
     rule = first["msg"].replace("Input should", "it should")
+    if _takes_a_list(first["loc"], error):
+        rule += ", or a list of them"
     return InputError(f"{where} = {first['input']!r}", rule[0].lower() + rule[1:], LOOK)
 
 
 def _is_branch(key: str | int) -> bool:
     """Whether a part of a place is the validator's name for one of several types, as ``constrained-float``."""
     return isinstance(key, str) and key.startswith(("constrained-", "tuple["))
+
+
+def _takes_a_list(place: tuple[str | int, ...], error: ValidationError) -> bool:
+    """Whether the key of one number at fault takes a list too, of which the validator complains besides."""
+    beside = (each["loc"] for each in error.errors() if each["loc"][: len(place) - 1] == place[:-1])
+    return "tuple[" not in str(place) and any("tuple[" in str(loc[-1]) for loc in beside)
 
 
 def _keys_beside(place: tuple[Any, ...]) -> list[str]:

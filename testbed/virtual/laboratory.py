@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from functools import cached_property
 
 import numpy as np
 
+from models.arrays import FloatArray
 from models.band_limit import record_channels
 from models.effects import EFFECTS, Effect, build_effect
 from models.effects.point_mass import PointMass
@@ -14,9 +14,11 @@ from models.effects.protocol import Place
 from models.errors import InputError
 from models.plant import Plant, build_plant
 from models.record import Record
-from models.rig import Beam, Rig, Sensor
+from models.rig import Beam, Excitation, Rig, Sensor
+from models.rig_checks import nearest
 from models.simulators import simulator
 from models.simulators.protocol import Motion, Resolution, Trial
+from testbed.quantities import unit_of
 from testbed.virtual.as_built import perturbed
 from testbed.virtual.bought import Bought, bought
 from testbed.virtual.campaign import Run, excitation_seen
@@ -53,6 +55,21 @@ class Laboratory:
         """What is left to chance in the run with this number."""
         return np.random.default_rng([self.seed, 2, number])
 
+    def at_their_ends(self, record: Record) -> list[dict[str, str | float]]:
+        """The channels of a record that left their sensors' range: name, the range with its unit, the share clipped."""
+        channels = [
+            (self.sensors[name], self.rig.sensor(name), row)
+            for name, row in zip(record.sensors, record.responses, strict=True)
+        ]
+        parts: list[tuple[Bought, Sensor | Excitation, FloatArray]] = [*channels]
+        if record.excitation is not None and self.rig.excitation is not None:
+            parts.append((self.force, self.rig.excitation, record.excitation))
+        return [
+            {"channel": part.name, "range": own.range, "unit": unit_of(part.quantity), "share": share}
+            for own, part, row in parts
+            if (share := own.share_at_end(row))
+        ]
+
     def trial_of(self, run: Run, rng: np.random.Generator) -> Trial:
         """What is done in a run, with what every record has for itself drawn."""
         return replace(run.trial, free=drawn(self.plant, rng))
@@ -72,9 +89,10 @@ def laboratory_of(experiment: Experiment, rig: Rig) -> Laboratory:
     tables = dict(experiment.sensors)
     common, force = tables.pop("all", None), tables.pop("excitation", None)
     _check_names(tables, rig)
-    sensors = {s.name: bought(tables.get(s.name, common), f"sensors.{s.name}") for s in rig.sensors}
+    named = {s.name: s.name if s.name in tables else "all" for s in rig.sensors}
+    sensors = {name: bought(tables.get(name, common), f"sensors.{table}") for name, table in named.items()}
     built = perturbed(rig, rng) if experiment.truth.perturbed else rig
-    moved = [_moved(s, sensors[s.name].position_error, rig, s.name if s.name in tables else "all") for s in rig.sensors]
+    moved = [_moved(s, sensors[s.name].position_error, rig, named[s.name]) for s in rig.sensors]
     entries = enumerate(experiment.truth.effects)
     hidden = [build_effect(entry, rig, EFFECTS, f"truth.effects[{i}]") for i, entry in entries]
     if isinstance(rig.structure, Beam):
@@ -105,11 +123,11 @@ def _check_names(tables: Mapping[str, SensorTable], rig: Rig) -> None:
     known = [sensor.name for sensor in rig.sensors]
     for name in tables:
         if name not in known:
-            near = get_close_matches(name, known, n=1, cutoff=0.0)
+            near = nearest(name, known)
             raise InputError(
                 f"sensors.{name}",
                 f"the rig's sensors are {', '.join(known)}; all is the rest of them, excitation the force's own",
-                f"did you mean {near[0]}?" if near else "remove it",
+                f"did you mean {near}?" if near else "name one of them, or remove it",
             )
 
 

@@ -144,6 +144,14 @@ BAD_EDITS = [
         ),
     ),
     (
+        "youngs_modulus = 0.01",
+        "youngs_modulus = 2",
+        (
+            "tolerances.youngs_modulus = 2; a tolerance is one standard deviation as a fraction of the value, "
+            "above 0 and up to 1; for 3 % write youngs_modulus = 0.03; leave out what is certain"
+        ),
+    ),
+    (
         'clearance" = 0.03',
         'clearance" = 3',
         'tolerances."sleeves.clearance" = 3; a tolerance is one standard...',

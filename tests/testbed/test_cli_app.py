@@ -14,6 +14,7 @@ COMMANDS = (
     *("simulate", "film", "cosim", "crosscheck", "effects", "study"),
 )
 RIG = Path(__file__).parents[1] / "data" / "reference_rig.toml"
+EXPERIMENT = Path(__file__).parents[2] / "docs" / "experiment.toml"
 
 
 @pytest.mark.parametrize(
@@ -21,7 +22,22 @@ RIG = Path(__file__).parents[1] / "data" / "reference_rig.toml"
     [
         (["compare", "none.toml", "a.csv"], "none.toml does not exist; a rig is a TOML file; correct the path"),
         (["compare", str(RIG), "a.csv"], "a.csv: there is no such file; a record is a file; check the path"),
-        (["compare", str(RIG)], "testbed compare: Missing argument 'RECORD"),
+        (["compare", str(RIG)], "testbed compare: Missing argument 'RECORD'; usage: testbed compare RIG RECORD... ["),
+        (
+            ["sweep", str(RIG), "--from", "5", "--to", "9"],
+            "testbed sweep: Missing option '--amplitude'; usage: testbed sweep RIG --amplitude A --from HZ",
+        ),
+        (
+            ["demo", "--with", "ansys"],
+            "--with ansys; the records of the demo are made by modal, mujoco, exudyn, or are s",
+        ),
+        (["simulate", str(RIG), str(RIG)], "reference_rig.toml: a rig file in the place of the experiment; an experi"),
+        (["modes", str(EXPERIMENT)], "experiment.toml: an experiment in the place of the rig; a rig file has [structu"),
+        (["modes", str(RIG), "--up-to", "5"], "no mode oscillates up to 5 Hz; modes are shown up to the frequency of "),
+        (
+            ["add", str(RIG), "squeeze_film", "--fit", "a.csv"],
+            "squeeze_film without a place; it sits at one sleeve; gi",
+        ),
         (["compair"], "testbed: No such command 'compair'"),
         (["modes", str(RIG), "--up-to", "many"], "testbed modes: Invalid value for '--up-to': many; it is a number; "),
         (["modes", str(RIG), "--up-to", "nan"], "testbed modes: Invalid value for '--up-to': nan; it is 0 or more; "),
@@ -56,6 +72,32 @@ def test_bad_input_is_one_message_of_three_parts_and_status_2(arguments, beginni
     assert message.startswith(beginning)
     assert message.count(";") >= 2
     assert "Traceback" not in streams.err
+
+
+def test_a_message_names_what_would_do(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["modes", str(RIG), "--up-to", "5"]) == 2
+    assert capsys.readouterr().err.endswith("raise it: the first mode is at 25.64 Hz\n")
+    assert main(["add", str(RIG), "squeeze_film", "--fit", "a.csv"]) == 2
+    assert capsys.readouterr().err.endswith("give --sleeve NAME: sleeve 1, sleeve 2\n")
+    assert main(["effects", "turbulence_of_the_sea"]) == 2
+    assert "did you mean" not in capsys.readouterr().err
+    assert main(["effects", "squeeze_flim"]) == 2
+    assert "did you mean squeeze_film?" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("group", ["study", "benchmark"])
+def test_a_group_without_a_command_lists_its_commands(group, capsys):
+    assert main([group]) == 2
+    message = capsys.readouterr().err.splitlines()[-1]
+    assert message.startswith(f"testbed {group}: nothing was named; it takes one of ")
+    assert {"study": "contact-laws, identifier", "benchmark": "hidden-effects"}[group] in message
+
+
+@pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="a folder in which nothing can be made")
+def test_a_folder_in_which_nothing_can_be_made_is_told_at_once(capsys):
+    assert main(["diagnose", "no_rig.toml", "a.csv", "--out", "/proc/foo"]) == 2
+    assert "--out /proc/foo: " in capsys.readouterr().err
 
 
 def test_a_motion_that_grows_without_bound_is_a_message(monkeypatch, capsys, tmp_path):

@@ -58,6 +58,12 @@ def test_records_that_do_not_repeat_are_no_error(folder, capsys):
     assert [record["repeats"] for record in content["records"]] == [False, False]
     assert content["records"][0]["reason"] == "its excitation does not repeat"
     assert content["records"][0]["channels"][0]["rms_of"]["noise"] > 0.0
+    assert content["records"][0]["channels"][0]["unit"] == "m/s^2"
+    assert main(["budget", "sweep.csv", "decay.csv", "--out", "out"]) == 0
+    out = capsys.readouterr().out
+    assert "no figures, since no record can be split" in out
+    assert "m/s^2" in out
+    assert not (folder / "out" / "figures").exists()
 
 
 @pytest.mark.parametrize("rig", [[], ["--rig", "rig.toml"]])

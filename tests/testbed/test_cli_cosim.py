@@ -46,6 +46,12 @@ def test_the_table_names_errors_lag_and_speed(capsys):
         assert words in out
 
 
+def test_a_lag_that_is_not_told_has_its_reason(tmp_path, capsys):
+    (tmp_path / "rig.toml").write_text(RIG_TOML)
+    assert main(["cosim", "rig.toml", "--seconds", "1"]) == 0
+    assert "not told: the true damping hardly changes" in capsys.readouterr().out
+
+
 def test_a_rig_that_rests_on_nothing_is_refused(tmp_path, capsys):
     (tmp_path / "free.toml").write_text(RIG_TOML.replace("3e-4", "5e-3").replace("1.5e-4", "5e-3"))
     assert main(["cosim", "free.toml"]) == 2

@@ -11,6 +11,8 @@ from made_up_diagnosis import made_up_diagnosis
 
 from models.rig_file import read_rig
 from testbed.cli.app import main
+from testbed.cli.demo import against_truth
+from testbed.cli.tables import print_diagnosis
 
 
 class Loop:
@@ -201,14 +203,48 @@ def test_the_demo_diagnoses_the_shipped_records_and_keeps_the_loud_one_aside(fol
     assert (folder / "results" / "demo" / "report.html").exists()
 
 
-def test_the_demo_makes_its_records_with_a_simulator_first(folder, loop, monkeypatch):
+def test_the_demo_makes_its_records_with_a_simulator_first_and_shows_the_truth(folder, loop, monkeypatch, capsys):
     shipped = folder / "short_demo"
     shipped.mkdir()
     (shipped / "rig.toml").write_bytes((folder / "rig.toml").read_bytes())
     short = 'fs = 512.0\n[excitation]\nkind = "{}"\nhigh = 150.0\n{}\n'
-    (shipped / "multisines.toml").write_text(short.format("multisine", "rms = [3.0, 6.0]\nperiod = 0.25\nperiods = 2"))
+    grease = '\n[[truth.effects]]\nkind = "squeeze_film"\nsleeve = "sleeve 2"\ndamping = 4.0\n'
+    multisines = "rms = [3.0, 6.0]\nperiod = 0.25\nperiods = 2" + grease
+    (shipped / "multisines.toml").write_text(short.format("multisine", multisines))
     (shipped / "sweep.toml").write_text(short.format("sweep", "duration = 0.5"))
     monkeypatch.setattr("testbed.cli.demo.DEMO", shipped)
     assert main(["demo", "--with", "modal", "--jobs", "1", "--out", "made"]) == 0
     assert loop.calls[0][:2] == (["multisine_3.uff", "sweep_10.uff"], ["multisine_6.uff"])
     assert (folder / "made" / "records" / "modal" / "sweep" / "truth.toml").exists()
+    told = capsys.readouterr().out.splitlines()[-1]
+    film = "squeeze_film at sleeve 2, damping"
+    assert told.startswith(f"hidden: {film} 4 N s/m; found: {film} ")
+    assert told.endswith("(truth: made/records/modal/multisines/truth.toml)")
+
+
+def test_the_demo_refuses_a_simulator_that_there_is_not_before_it_makes_a_record(folder, loop, capsys):
+    assert main(["demo", "--with", "ansys"]) == 2
+    message = capsys.readouterr().err
+    assert message.startswith("--with ansys; ")
+    assert "shipped" in message
+    assert len(message.splitlines()) == 1
+
+
+def test_the_demo_with_nothing_hidden_and_nothing_found_says_so():
+    assert against_truth({"effects": []}, {"effects": []}) == "hidden: nothing; found: nothing"
+
+
+def test_a_note_stands_once_and_those_of_the_calibrated_model_stand_apart(capsys):
+    told = {
+        "findings": ["P1 is odd", "calibrated model: damping drifts"],
+        "of_calibrated": ["calibrated model: damping drifts"],
+    }
+    content = {"error": [], "holdout": {}, "candidates": [], "indistinguishable": [], "verdict": "missing_effect"}
+    film = {"kind": "squeeze_film", "sleeve": "sleeve 2", "probability": 0.9, "parameters": {}}
+    proposed = {"do": "rest", "why": "enough"}
+    print_diagnosis({**content, "where": told, "effects": [film], "next_experiment": proposed})
+    lines = capsys.readouterr().out.splitlines()
+    assert lines.count("note: P1 is odd") == 1
+    head = next(i for i, line in enumerate(lines) if line.startswith("the calibrated model, before the effects"))
+    assert lines[head + 1] == "  - damping drifts"
+    assert sum("drifts" in line for line in lines) == 1

@@ -46,6 +46,7 @@ def test_an_oscillator_has_one_mode_and_no_figure(folder, capsys):
     assert mode["natural_freq"] == pytest.approx(20.0 / (2 * np.pi))
     assert mode["damping_ratio"] == pytest.approx(0.005)
     assert main(["modes", "mass.toml"]) == 0
+    assert capsys.readouterr().out.rstrip().endswith("modes.json")
 
 
 @pytest.mark.parametrize("more", [(), ("--rig", "rig.toml"), ("--excitation", "shaker")])
@@ -92,7 +93,7 @@ def test_beside_a_rig_the_excitation_is_the_rigs_own(command, capsys):
 @pytest.mark.parametrize("command", ["frf", "budget"])
 def test_without_names_a_channel_of_the_file(command, capsys):
     assert main([command, "burst.csv", "--without", "P9"]) == 2
-    message = "--without P9; the channels of burst.csv are shaker, P1, P2, P3; the nearest one is P"
+    message = "--without P9; the channels of burst.csv are shaker, P1, P2, P3; name one of them"
     assert message in capsys.readouterr().err
 
 
@@ -160,5 +161,10 @@ def test_check_says_all_and_its_status_is_2_for_an_error(folder, capsys):
 
 def test_the_marks_of_sleeves_in_the_figure_of_modes_are_explained(folder):
     found = rig_modes(read_rig(folder / "rig.toml"), 200.0)
-    (legend,) = modes_figure(found).legends
-    assert {text.get_text() for text in legend.get_texts()} == {"sleeve open at rest", "sleeve that touches at rest"}
+    figure = modes_figure(found)
+    (legend,) = figure.legends
+    explained = {"sleeve open at rest", "sleeve that touches at rest", "sensor"}
+    assert {text.get_text() for text in legend.get_texts()} == explained
+    assert all(ax.get_ylabel() == "shape [-]" for ax in figure.axes)
+    sensors = [line for line in figure.axes[0].lines if line.get_label() == "sensor"]
+    assert sensors[0].get_xdata().tolist() == [0.3, 0.7, 1.2]

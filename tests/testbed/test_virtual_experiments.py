@@ -11,7 +11,7 @@ import pytest
 from models.effects import EFFECTS, build_effect
 from models.errors import InputError
 from models.rig import EffectEntry
-from models.rig_file import read_rig
+from models.rig_file import read_rig, write_rig
 from testbed.cli.app import main
 from testbed.records.read import read_record
 
@@ -186,4 +186,131 @@ def test_a_sensor_beside_the_beam_is_told_before_anything_moves(tmp_path, capsys
     told = capsys.readouterr().err
     assert message in told
     assert "; a sensor sits on the beam, 0 to 1.469 m; " in told
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_choice_of_mujoco_is_explained_once_in_plain_words(tmp_path, capsys):
+    (tmp_path / "short.toml").write_text(EXPERIMENT.replace("periods = 2", "periods = 1"))
+    order = ["simulate", str(RIG), str(tmp_path / "short.toml"), "--with", "mujoco", "--out", str(tmp_path / "out")]
+    assert main([*order, "--jobs", "1"]) == 0
+    streams = capsys.readouterr()
+    assert streams.out.count("short enough for the shortest wave of the record's band") == 1
+    assert "as long as the engine" not in streams.err
+
+
+LOUD = """
+fs = 1024.0
+[excitation]
+kind = "multisine"
+rms = 300.0
+period = 0.25
+periods = 2
+high = 200.0
+[sensors.P8]
+range = 300.0
+[sensors.excitation]
+range = 1e5
+"""
+
+
+def test_a_record_that_is_clipped_is_told_with_channel_share_and_what_to_do(tmp_path, capsys):
+    (tmp_path / "loud.toml").write_text(LOUD)
+    order = ["simulate", str(RIG), str(tmp_path / "loud.toml"), "--out", str(tmp_path / "out"), "--jobs", "1"]
+    assert main(order) == 0
+    warning = next(line for line in capsys.readouterr().out.splitlines() if line.startswith("warning"))
+    row = json.loads((tmp_path / "out" / "simulation.json").read_text())["records"][0]
+    (clipped,) = row["clipped"]
+    samples = read_record(tmp_path / "out" / "multisine_300.uff", read_rig(RIG), without=["P8"])
+    assert samples.n_samples == 512
+    assert (clipped["channel"], clipped["range"], clipped["unit"]) == ("P8", 300.0, "m/s^2")
+    assert 0.05 < clipped["share"] < 1.0
+    share = f"{clipped['share']:.1%}"
+    assert f"multisine_300.uff: P8 is clipped at 300 m/s^2 in {share} of its samples; check" in warning
+    assert "lower the excitation's level" in warning
+    with pytest.raises(InputError, match=r"P8.*is clipped"):
+        read_record(tmp_path / "out" / "multisine_300.uff", read_rig(RIG))
+
+
+def test_without_sleeves_no_table_and_no_figures_are_announced(tmp_path, capsys):
+    beam = read_rig(RIG).model_copy(update={"sleeves": ()})
+    write_rig(beam.model_copy(update={"tolerances": {}}), tmp_path / "beam.toml")
+    (tmp_path / "test.toml").write_text(EXPERIMENT.partition("[truth]")[0])
+    order = ["simulate", str(tmp_path / "beam.toml"), str(tmp_path / "test.toml"), "--out", str(tmp_path / "out")]
+    assert main([*order, "--jobs", "1"]) == 0
+    out = capsys.readouterr().out
+    assert "figures" not in out
+    assert "in the sleeves" not in out
+    assert not (tmp_path / "out" / "figures").exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            EXPERIMENT.replace("noise_density = 1e-3", 'preset = "none"'),
+            'sensors.all.preset = "none"; the presets are ',
+        ),
+        (
+            EXPERIMENT.replace("[2.0, 6.0]", '"loud"'),
+            "excitation.rms = 'loud'; it should be a valid number, or a list of them; ",
+        ),
+        (EXPERIMENT.replace("sensors.P8", "sensors.tip"), "excitation the force's own; name one of them, or remove it"),
+        (EXPERIMENT.replace("sensors.P8", "sensors.P88"), "excitation the force's own; did you mean P8?"),
+    ],
+)
+def test_a_mistake_is_told_at_the_key_where_it_stands(text, message, tmp_path, capsys):
+    (tmp_path / "test.toml").write_text(text)
+    assert main(["simulate", str(RIG), str(tmp_path / "test.toml"), "--out", str(tmp_path / "out")]) == 2
+    assert message in capsys.readouterr().err
+
+
+NEXT = """
+fs = 1024.0
+seed = 8
+[excitation]
+kind = "multisine"
+rms = 6.0
+period = 0.25
+periods = 2
+high = 200.0
+"""
+
+
+def test_the_next_test_is_carried_out_on_the_very_rig_of_an_earlier_one(folder, tmp_path):
+    (tmp_path / "next.toml").write_text(NEXT)
+    truth = folder / "out" / "truth.toml"
+    order = ["simulate", str(RIG), str(tmp_path / "next.toml"), "--jobs", "1", "--prefix", "next_"]
+    assert main([*order, "--truth", str(truth), "--out", str(tmp_path / "same")]) == 0
+    assert main([*order, "--out", str(tmp_path / "drawing")]) == 0
+    told, before = (tomllib.loads(path.read_text()) for path in (tmp_path / "same" / "truth.toml", truth))
+    for key in ("parameters", "effects", "sensor_positions"):
+        assert told[key] == before[key]
+    assert told["seed"] == 8
+    same, drawing = (
+        read_record(tmp_path / name / "next_multisine_6.uff", read_rig(RIG)) for name in ("same", "drawing")
+    )
+    # The same phases on both; the film and the numbers that are off show in the motion.
+    assert np.linalg.norm(same.responses - drawing.responses) > 0.05 * np.linalg.norm(drawing.responses)
+
+
+@pytest.mark.parametrize(
+    ("truth", "text", "message"),
+    [
+        (None, NEXT, "No such file or directory; truth.toml, which testbed simulate writes, says what was tested"),
+        ("seed = 3\n", NEXT, "effects is missing; "),
+        (
+            "effects = []\n[parameters]\nmass = 3.0\n",
+            NEXT,
+            "truth.toml: parameters.mass; the toleranced numbers of this",
+        ),
+        ("effects = []\n[parameters]\n", f"{NEXT}[truth]\nperturbed = true\n", "next.toml: [truth] beside --truth; "),
+    ],
+)
+def test_a_truth_that_does_not_fit_is_told(truth, text, message, tmp_path, capsys):
+    (tmp_path / "next.toml").write_text(text)
+    if truth is not None:
+        (tmp_path / "truth.toml").write_text(truth)
+    order = ["simulate", str(RIG), str(tmp_path / "next.toml"), "--truth", str(tmp_path / "truth.toml")]
+    assert main([*order, "--out", str(tmp_path / "out")]) == 2
+    assert message in capsys.readouterr().err
     assert not (tmp_path / "out").exists()

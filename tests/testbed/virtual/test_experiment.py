@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from models.errors import InputError
-from testbed.virtual.experiment import EXCITATIONS, Multisine, read_experiment
+from testbed.virtual.experiment import EXCITATIONS, Multisine, Truth, read_experiment
 
 DOCS = Path(__file__).parents[3] / "docs"
 
@@ -22,6 +22,16 @@ def test_the_example_of_the_docs_is_read():
     assert found.excitation.rms == (10.0, 3.0)
     assert found.sensors["all"].preset == "PCB 352C66"
     assert found.truth.effects[0].kind == "squeeze_film"
+
+
+def test_the_first_day_of_the_docs_is_what_its_experiments_hold():
+    page = (DOCS / "first_test.md").read_text()
+    assert "six periods at a low and at a high level" in page
+    multisines = read_experiment(DOCS / "experiment.toml").excitation
+    assert (multisines.periods, len(multisines.rms)) == (6, 2)
+    others = [read_experiment(DOCS / name) for name in ("decay.toml", "sweep.toml")]
+    assert [other.excitation.kind for other in others] == ["hammer", "sweep"]
+    assert all(other.truth == Truth() for other in others)
 
 
 def test_every_kind_and_key_stands_in_the_docs():
