@@ -228,7 +228,7 @@ REPORTED = CaseSet(
             run="Ended by hand after 54 cases, to mend what its pairs had shown, while two were at work; these were "
             "run to their ends by the same diagnosis. Two of its misses had been looked into by then.",
         ),
-        24419: Batch("05d3370"),
+        25643: Batch("NEXT"),
     },
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),
@@ -268,6 +268,7 @@ BEFORE = {
     8839: (67, "a first effect that answers for the second too; a faint second one that ordinary trials do not show"),
     10271: (36, "two effects that stood for one"),
     23131: (10, "all right, but slow where the true rig makes more of the force's noise than the given one"),
+    24419: (6, "nothing: all right, and stopped to mend what a new user and an acceptance reading had found"),
 }
 """Reported batches of earlier diagnoses, which do not count: seed -> (cases, what they taught)."""
 
