@@ -168,6 +168,7 @@ def test_a_linear_rig_is_sent_to_its_linear_frf():
     with pytest.raises(InputError, match="no law and no contact") as error:
         nonlinear_frf(build_plant(OSCILLATOR), 1.0, (5.0, 15.0), 100.0)
     assert "linear FRF" in error.value.mend
+    assert "testbed frf" in error.value.mend
 
 
 def test_a_curve_that_cannot_begin_says_where():
