@@ -10,6 +10,7 @@ import numpy as np
 from identification.decay.poles import ROUNDING
 from identification.decay.walk import Points
 from models.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from models.errors import InputError
 
 MOST_BLOCKS = 256
 APART = 1.5
@@ -34,6 +35,9 @@ FINEST = 1e-6
 DROWNED = -200.0
 """Np below which a path's level makes no difference any more."""
 
+UNTOLD = 1e60
+"""Variance of an amplitude of which a block says nothing, for noise of 1."""
+
 CLEAR = 0.1
 """Error of a block's amplitude as a share of it, below which the logarithm is taken and not its tangent."""
 
@@ -45,9 +49,9 @@ class Deviations:
     Attributes:
         edges: (n + 1,) s, where the blocks begin and the last one ends.
         times: (n,) s, their centres.
-        log_amplitude: (n,) Np.
+        log_amplitude: (n,) Np; nan where no block shows the mode.
         phase: (n,) rad, unwrapped.
-        variances: (n,) of either, which are independent.
+        variances: (n,) of either, which are independent; infinite where a block says nothing.
         clear: (n,) whether the mode stands well out of the noise.
         shape: (n_channels,) complex amplitudes of the channels at a path's level 0.
         noise: (n_channels,) standard deviation of what all modes together leave.
@@ -75,6 +79,9 @@ class Deviations:
 def block_edges(n_samples: int, fs: float, freqs: FloatArray, mode: int, most: int = MOST_BLOCKS) -> IntArray:
     """(n_blocks + 1,) first samples of a mode's blocks, about whole half periods long, and the end of the last one.
 
+    Where the mode dies before it has beaten twice with its neighbour it has two shorter ones, and what they leave open
+    shows in their variances. One is returned where not even two hold half a period and their numbers.
+
     Args:
         n_samples: in which the mode is seen.
         fs: Hz.
@@ -84,9 +91,9 @@ def block_edges(n_samples: int, fs: float, freqs: FloatArray, mode: int, most: i
     """
     half = 0.5 / freqs[mode]
     apart = np.abs(np.delete(freqs, mode) - freqs[mode]).min(initial=np.inf)
-    least = max(n_samples / fs / most, APART / apart, half, SAMPLES_PER_MODE * len(freqs) / fs)
-    length = np.ceil(least / half - 1e-9) * half
-    n = max(int(n_samples / fs / length), 2)
+    shortest = max(half, SAMPLES_PER_MODE * len(freqs) / fs)
+    length = np.ceil(max(n_samples / fs / most, APART / apart, shortest) / half - 1e-9) * half
+    n = max(int(n_samples / fs / length), 2) if n_samples / fs >= 2.0 * shortest else 1
     return np.round(np.linspace(0, n_samples, n + 1)).astype(np.int64)
 
 
@@ -102,6 +109,9 @@ def deviations(
         mode: which.
         edges: (n_blocks + 1,) first samples.
         colour: density of the noise about the mode over that of white noise.
+
+    Raises:
+        InputError: no more samples than the modes have numbers in all blocks.
     """
     signals, paths = signals[:, : edges[-1]], paths[:, : edges[-1]]
     centre = (edges[1:] + edges[:-1] - 1) // 2
@@ -109,6 +119,12 @@ def deviations(
     waves = np.exp(paths - level)
     basis = np.concatenate([waves.real, -waves.imag])
     rows = len(basis)
+    if signals.shape[1] <= rows * len(centre):
+        raise InputError(
+            f"{len(paths)} modes in {len(centre)} blocks of {signals.shape[1]} samples together",
+            "each mode has two numbers in each block, and what is left tells the noise",
+            "take fewer blocks or modes, or a higher rate",
+        )
     gram = np.empty((len(centre), rows, rows))
     for i in range(rows):
         for j in range(i + 1):
@@ -130,14 +146,16 @@ def _read(
     imag = mode + numbers.shape[1] // 2
     found = numbers[:, mode] + 1j * numbers[:, imag]
     own = 0.5 * (covariance[:, mode, mode] + covariance[:, imag, imag])
+    own = np.where(own > 0.0, own, UNTOLD)  # of a block that cannot part the modes a direction is lost
     shape, size = _shape(found, noise, own), np.exp(np.maximum(level, DROWNED))
     weights = shape.conj() / noise**2
     strength = float((weights @ shape).real)
     along = found @ weights / strength / size
     trust = size**2 / own
     scale = np.sum(np.abs(along) * trust) / np.sum(trust) * np.exp(1j * np.angle(np.sum(along * trust)))
-    ratio = along / scale
-    variances = own / (strength * np.abs(scale * size) ** 2)
+    ratio = along / scale if scale else np.full_like(along, np.nan)
+    with np.errstate(divide="ignore", over="ignore"):  # infinite where nothing shows the mode
+        variances = own / (strength * np.abs(scale * size) ** 2)
     clear = variances < CLEAR**2 * np.abs(ratio) ** 2
     log, phase = ratio.real - 1.0, np.array(ratio.imag)
     log[clear], phase[clear] = np.log(np.abs(ratio[clear])), np.unwrap(np.angle(ratio[clear]))

@@ -55,6 +55,12 @@ def acting_level(quiet: float, loudest: float, peak: float) -> float:
     return -1.0 if quiet > NEVER_QUIET * loudest else max(ABOVE_QUIET * quiet, OF_PEAK * peak)
 
 
+def quiet_and_loudest(excitation: FloatArray) -> tuple[float, float]:
+    """Rms level of a (N,) excitation where it is quiet, and that of its loudest piece, in its unit."""
+    level = np.sqrt([np.mean(piece**2) for piece in np.array_split(excitation, PIECES)])
+    return float(np.percentile(level, QUIET_SHARE)), float(level.max())
+
+
 def _loudest(responses: FloatArray) -> float:
     """Largest rms of a twentieth of a stretch, in any channel."""
     pieces = np.array_split(responses, 20, axis=1)
@@ -63,10 +69,8 @@ def _loudest(responses: FloatArray) -> float:
 
 def _acting(excitation: FloatArray) -> BoolArray:
     """(N,) whether the excitation is above its quiet level."""
-    level = np.sqrt([np.mean(piece**2) for piece in np.array_split(excitation, PIECES)])
-    quiet = float(np.percentile(level, QUIET_SHARE))
     size = np.abs(excitation)
-    return np.asarray(size > acting_level(quiet, float(level.max()), float(size.max())))
+    return np.asarray(size > acting_level(*quiet_and_loudest(excitation), float(size.max())))
 
 
 def _onsets(responses: FloatArray) -> BoolArray:

@@ -9,24 +9,21 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from identification.decay.attempt import CHOSEN_NOTHING, Followed, Settings, best_attempt
 from identification.decay.cause import Cause, Watched, find_cause
-from identification.decay.course import UNTOLD, Told, integral_of
-from identification.decay.mode_search import search_modes
+from identification.decay.course import integral_of
 from identification.decay.own_scale import own_scale
-from identification.decay.poles import Poles, fit_poles
+from identification.decay.poles import Poles
 from identification.decay.ridge import Skeleton, follow_mode
-from identification.decay.smoother import SmoothedMode, smooth_decay
+from identification.decay.smoother import SmoothedMode
 from identification.progress import Progress
 from identification.signals.denoise import Denoised, denoise_ensemble, denoise_wavelet
-from identification.signals.peaks import Modes, cut_frequencies, find_modes
+from identification.signals.peaks import Modes, cut_frequencies
 from identification.signals.separate import separate
 from models.arrays import ComplexArray, FloatArray
 from models.errors import InputError
 
 DENOISING = ("none", "wavelet", "ensemble")
-
-RATE_PER_BAND = 2.6
-"""Least sampling rate that is kept, in units of a band's upper edge."""
 
 MATERIAL = {"damping": 2e-3, "frequency": 2e-5}
 """Shares of a value by which its intervals have to part for it to change: less is of no use, and modes that nobody
@@ -38,30 +35,8 @@ IMPOSSIBLE = 1e-6
 AROUND_RIDGE = 0.3
 """Of the window's width in frequency: what a mode may move by before its ridge is followed and not one frequency."""
 
-OTHER = 0.05
-"""Share by which a mode's frequency may differ between the decays of one record."""
-
 HARDLY = 0.02
 """Np that a mode falls by over its decay at least, or it is told."""
-
-
-@dataclass(frozen=True)
-class Settings:
-    """What the user chose.
-
-    Attributes:
-        band: Hz, the only band that is looked at; None for all of it.
-        freqs: Hz, about where modes are, besides those that the spectrum shows.
-        denoising: one of ``DENOISING``, before all else.
-        told: what is known of the courses' form.
-        seed: of the ensemble's noise.
-    """
-
-    band: tuple[float, float] | None = None
-    freqs: tuple[float, ...] = ()
-    denoising: str = "none"
-    told: Told = UNTOLD
-    seed: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +117,7 @@ def identify(
     starts: Sequence[float],
     fs: float,
     kick_signs: FloatArray,
-    settings: Settings = Settings(),
+    settings: Settings = CHOSEN_NOTHING,
     progress: Progress = lambda _: None,
 ) -> Identification:
     """Identify the modes of one or more free decays of the same channels.
@@ -159,32 +134,23 @@ def identify(
         InputError: no mode stands out, a decay too short for its modes, or settings that do not fit.
     """
     decays, denoised = _denoised(decays, fs, settings, progress)
-    spectrum = _in_band(find_modes(decays[0], fs), settings.band)
-    decays, rate, findings = _band(decays, fs, settings)
-    first = decays[0] - decays[0].mean(axis=1, keepdims=True)
-    poles, decided = search_modes(first, rate, spectrum, settings.freqs, settings.band)
-    findings += decided
-    progress(f"{len(poles.values)} modes: {', '.join(f'{freq:.4g}' for freq in poles.natural_freqs)} Hz")
-    cuts = _cuts(spectrum, poles)
-    found = []
-    for signals, start in zip(decays, starts, strict=True):
-        level = _without_offset(signals, rate, poles)
-        own = fit_poles(level, rate, poles.values)
-        if (np.abs(own.natural_freqs / poles.natural_freqs - 1.0) > OTHER).any():
-            findings.append(f"the decay from {start:.4g} s on does not show all of the first one's modes; left out")
-            continue
-        found.append(_decay(level, start, rate, own, cuts, kick_signs, settings, progress))
-    seen = [[decay.modes[m] for decay in found] for m in range(len(poles.values))]
+    best = best_attempt(decays, starts, fs, kick_signs, settings, progress)
+    cuts = _cuts(best.spectrum, best.decays[0].poles)
+    found = [_decay(one, best.fs, cuts, progress) for one in best.decays]
+    seen = [[decay.modes[m] for decay in found] for m in range(len(found[0].modes))]
     damping, frequency = (tuple(_cause(modes, what) for modes in seen) for what in MATERIAL)
     steady = [cause.verdict == "steady" for cause in damping], [cause.verdict == "steady" for cause in frequency]
     found = [_summed_up(decay, *steady) for decay in found]
-    findings += [
-        f"{mode.natural_freq:.4g} Hz hardly decays from {decay.start:.4g} s on: is it driven, or the mains?"
-        for decay in found
-        for mode in decay.modes
-        if mode.smoothed.sigma * decay.signals.shape[1] / decay.fs < HARDLY
+    findings = [
+        *best.findings,
+        *(
+            f"{mode.natural_freq:.4g} Hz hardly decays from {decay.start:.4g} s on: is it driven, or the mains?"
+            for decay in found
+            for mode in decay.modes
+            if mode.smoothed.sigma * decay.signals.shape[1] / decay.fs < HARDLY
+        ),
     ]
-    return Identification(tuple(found), spectrum, cuts, denoised, damping, frequency, tuple(findings))
+    return Identification(tuple(found), best.spectrum, cuts, denoised, damping, frequency, tuple(findings))
 
 
 def _summed_up(decay: Decay, damping_steady: Sequence[bool], frequency_steady: Sequence[bool]) -> Decay:
@@ -228,38 +194,6 @@ def _denoised(
     return [one.signals for one in cleaned], tuple(cleaned)
 
 
-def _band(decays: Sequence[FloatArray], fs: float, settings: Settings) -> tuple[list[FloatArray], float, list[str]]:
-    """The decays with nothing but the band, at the rate that it needs."""
-    if settings.band is None:
-        return list(decays), fs, []
-    low, high = settings.band
-    if not 0.0 <= low < high < 0.5 * fs:
-        raise InputError(
-            f"a band from {low:g} to {high:g} Hz",
-            f"it lies between 0 and half the sampling rate, {0.5 * fs:g} Hz, and begins below its end",
-            "name its lower edge first",
-        )
-    edges = np.array([low, high]) if low > 0.0 else np.array([high])
-    step = max(int(fs / (RATE_PER_BAND * high)), 1)
-    parts = [separate(decay, fs, edges)[-2][:, ::step] for decay in decays]
-    return parts, fs / step, [f"cut out {low:g} to {high:g} Hz by analytical mode decomposition, ends predicted"]
-
-
-def _in_band(found: Modes, band: tuple[float, float] | None) -> Modes:
-    """What was found in a band alone."""
-    if band is None:
-        return found
-    return replace(found, peaks=tuple(peak for peak in found.peaks if band[0] < peak.frequency < band[1]))
-
-
-def _without_offset(signals: FloatArray, fs: float, poles: Poles) -> FloatArray:
-    """Without the channels' constants, told from the decay itself, whose mean is not 0."""
-    waves = poles.waves(signals.shape[1], fs)
-    basis = np.concatenate([waves.real, waves.imag, np.ones((1, signals.shape[1]))])
-    numbers = np.linalg.lstsq(basis @ basis.T, basis @ signals.T, rcond=None)[0]
-    return np.asarray(signals - numbers[-1][:, None])
-
-
 def _cuts(spectrum: Modes, poles: Poles) -> FloatArray:
     """(n_modes - 1,) Hz, where the spectrum is lowest between the modes, or half way where they were named."""
     if len(spectrum.peaks) == len(poles.values):
@@ -268,24 +202,15 @@ def _cuts(spectrum: Modes, poles: Poles) -> FloatArray:
     return np.asarray(0.5 * (freqs[1:] + freqs[:-1]))
 
 
-def _decay(
-    signals: FloatArray,
-    start: float,
-    fs: float,
-    poles: Poles,
-    cuts: FloatArray,
-    kick_signs: FloatArray,
-    settings: Settings,
-    progress: Progress,
-) -> Decay:
-    smoothed = smooth_decay(signals, fs, poles, kick_signs, settings.told)
+def _decay(followed: Followed, fs: float, cuts: FloatArray, progress: Progress) -> Decay:
+    signals, poles = followed.signals, followed.poles
     modes = []
-    for m, mode in enumerate(smoothed):
+    for m, mode in enumerate(followed.modes):
         progress(f"mode {m + 1}: {mode.natural_freq.value[0]:.4g} Hz followed over {mode.decay.times[-1]:.3g} s")
         seen = int(np.ceil(mode.blocks.edges[-1] * fs))
         signal = _alone(signals, fs, poles, cuts, m)[:seen]
         modes.append(_mode(mode, signal, _ridge(signal, fs, mode), poles.shapes[m]))
-    return Decay(start, fs, signals, poles, tuple(modes))
+    return Decay(followed.start, fs, signals, poles, tuple(modes))
 
 
 def _alone(signals: FloatArray, fs: float, poles: Poles, cuts: FloatArray, mode: int) -> FloatArray:

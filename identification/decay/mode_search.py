@@ -22,13 +22,21 @@ Band = tuple[float, float] | None
 HEAVIEST = 0.5
 """A pole whose damping ratio is above this does not oscillate enough to be called a mode."""
 
+SURE = 2.0
+"""Standard deviations of their difference that two frequencies are apart, or they are one."""
+
+GROWTH = 1.0
+"""Np that a mode may grow by over a decay, by error."""
+
 STRAYED = 0.2
 """A pole that ends further than this share from the peak it began at is not that peak's."""
 
-MOST_HIDDEN = 3
+MOST_HIDDEN, TRIED = 6, 6
 HIDDEN_DAMPING, HIDDEN_WIDTH, HIDDEN_APART = 0.1, 0.2, 0.1
-"""A mode that no peak shows is looked for with this damping ratio, in what the others leave, smoothed over this share
-of the lowest frequency; closer than the last share to another it is that other one, which changes."""
+"""So many modes that no peak shows are looked for at most, from so many lines each, with this damping ratio, in what
+the others leave, smoothed over this share of the lowest frequency; closer than the last share to another it is that
+other one, which changes.
+"""
 
 SPLIT, CLOSEST, NEAR, LEFT, LEAST_NEAR = 0.015, 5e-3, 0.05, 2.0, 8
 """A pole is split at this distance to either side, into modes that differ by the second share at least, where what is
@@ -74,6 +82,8 @@ def search_modes(
     findings += [f"there is no mode about {freq:.4g} Hz beside those found" for freq in missing]
     poles, hidden = _with_hidden(signals, fs, poles, band)
     findings += [f"{freq:.4g} Hz is no peak, but what the others left rings there" for freq in hidden]
+    poles, one = _told_apart(signals, fs, poles)
+    findings += [f"{first:.5g} and {second:.5g} Hz are not told apart; one mode" for first, second in one]
     return poles, findings
 
 
@@ -102,11 +112,18 @@ def _inside(band: Band, fs: float) -> tuple[float, float]:
     return band[0] * (1.0 + HIDDEN_APART), band[1] * (1.0 - HIDDEN_APART)
 
 
-def _loudest_line(lines: FloatArray, power: FloatArray, band: Band, fs: float) -> float:
-    """Where the power is largest, away from where a band was cut and where a mode has its least periods, Hz."""
+def _loudest_lines(lines: FloatArray, power: FloatArray, band: Band, fs: float, most: int = 1) -> list[float]:
+    """Where the power is largest, away from where a band was cut and where a mode has its least periods, Hz.
+
+    Besides the largest, others follow that are the largest away from those before.
+    """
     low, high = _inside(band, fs)
     inside = (lines > max(low, LEAST_PERIODS * (lines[1] - lines[0]))) & (lines < high)
-    return float(lines[inside][np.argmax(power[inside])]) if inside.any() else 0.0
+    found: list[float] = []
+    while inside.any() and len(found) < most:
+        found.append(float(lines[inside][np.argmax(power[inside])]))
+        inside &= np.abs(lines / found[-1] - 1.0) > HIDDEN_WIDTH
+    return found
 
 
 def _strongest_line(signals: FloatArray, fs: float, band: Band) -> tuple[float, float]:
@@ -116,8 +133,7 @@ def _strongest_line(signals: FloatArray, fs: float, band: Band) -> tuple[float, 
         InputError: none does.
     """
     lines, power = _spectrum(signals, fs)
-    freq = _loudest_line(lines, uniform_filter1d(power, 5), band, fs)
-    if freq > 0.0:
+    for freq in _loudest_lines(lines, uniform_filter1d(power, 5), band, fs):
         one = fit_poles(signals, fs, [2.0 * np.pi * freq * (1j - HIDDEN_DAMPING)])
         gain = signals.shape[1] * float(np.sum(np.log(signals.std(axis=1) / one.noise)))
         sound = 0.0 < one.damping_ratios[0] < HEAVIEST and abs(one.natural_freqs[0] / freq - 1.0) < STRAYED
@@ -242,7 +258,12 @@ def _one_more(signals: FloatArray, fs: float, poles: Poles, start: complex) -> _
         return None
     gain = signals.shape[1] * float(np.sum(np.log(poles.noise / more.noise)))
     new = int(np.argmax(np.abs(more.values[:, None] - poles.values).min(axis=1)))
-    if gain < _price(signals.shape) or not 0.0 < more.damping_ratios[new] < HEAVIEST:
+    grows = float(more.values.real.max()) * signals.shape[1] / fs > GROWTH
+    if (
+        gain < _price(signals.shape)
+        or grows
+        or not (more.damping_ratios[new] > 0.0 and more.damping_ratios.max() < HEAVIEST)
+    ):
         return None
     freq = float(more.natural_freqs[new])
     return _Further(more, freq, float(np.abs(np.delete(more.natural_freqs, new) / freq - 1.0).min()))
@@ -255,13 +276,31 @@ def _with_hidden(signals: FloatArray, fs: float, poles: Poles, band: Band) -> tu
     while len(found) < MOST_HIDDEN:
         lines, power = _left(signals, fs, poles)
         width = max(round(HIDDEN_WIDTH * poles.natural_freqs[0] / (lines[1] - lines[0])), 3)
-        freq = _loudest_line(lines, uniform_filter1d(power, width), band, fs)
-        further = _one_more(signals, fs, poles, 2.0 * np.pi * freq * (1j - HIDDEN_DAMPING)) if freq > 0.0 else None
-        if further is None or further.apart <= HIDDEN_APART or not low < further.freq < high:
+        starts = _loudest_lines(lines, uniform_filter1d(power, width), band, fs, TRIED)
+        tried = (_one_more(signals, fs, poles, 2.0 * np.pi * freq * (1j - HIDDEN_DAMPING)) for freq in starts)
+        sound = (one for one in tried if one and one.apart > HIDDEN_APART and low < one.freq < high)
+        further = next(sound, None)
+        if further is None:
             break
         found.append(further.freq)
         poles = further.poles
     return poles, found
+
+
+def _told_apart(signals: FloatArray, fs: float, poles: Poles) -> tuple[Poles, list[tuple[float, float]]]:
+    """The poles, the stronger of each two that errors or the decay's length do not tell apart, and those pairs."""
+    one: list[tuple[float, float]] = []
+    while len(poles.values) > 1:
+        freqs, gaps = poles.natural_freqs, np.diff(poles.natural_freqs)
+        errors = np.hypot(poles.natural_freq_stds[1:], poles.natural_freq_stds[:-1])
+        near = np.flatnonzero(gaps < np.maximum(SURE * errors, fs / signals.shape[1]))
+        if not len(near):
+            break
+        pair = near[0] + np.arange(2)
+        weaker = pair[np.argmin(_explained(signals.shape, fs, poles)[pair])]
+        one.append((float(freqs[pair[0]]), float(freqs[pair[1]])))
+        poles = fit_poles(signals, fs, np.delete(poles.values, weaker))
+    return poles, one
 
 
 def _explained(size: tuple[int, ...], fs: float, poles: Poles) -> FloatArray:

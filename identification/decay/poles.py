@@ -11,7 +11,7 @@ import numpy as np
 from numpy.linalg import LinAlgError
 from scipy.linalg import cho_factor, cho_solve
 
-from identification.decay.colour import left_over, noise_colour
+from identification.decay.colour import left_over, noise_colour, ringing_colour
 from models.arrays import ComplexArray, FloatArray
 from models.errors import InputError
 
@@ -24,6 +24,9 @@ LEAST_DAMPING = -5e-2
 
 MOST_GROWTH = 20.0
 """Np by which a mode may grow over the record while the search is under way."""
+
+UNEVEN = 1.5
+"""Factor of a variance from which noise is louder, or softer, while a mode rings by more than chance makes it."""
 
 ROUNDING = 1e-26
 """Share of a channel's energy that counts as noise at least, far below any recorder's."""
@@ -44,6 +47,12 @@ class Poles:
     shapes: ComplexArray
     covariance: FloatArray
     noise: FloatArray
+
+    def only(self, kept: Sequence[int]) -> "Poles":
+        """Some of the modes, with their part of the covariance."""
+        modes = np.asarray(kept, dtype=int)
+        both = np.concatenate([modes, modes + len(self.values)])
+        return Poles(self.values[modes], self.shapes[modes], self.covariance[np.ix_(both, both)], self.noise)
 
     @property
     def natural_freqs(self) -> FloatArray:
@@ -95,7 +104,7 @@ def waves_of(values: ComplexArray, n_samples: int, fs: float) -> ComplexArray:
 def fit_poles(signals: FloatArray, fs: float, start: Sequence[complex] | ComplexArray) -> Poles:
     """Fit damped sinusoids to a decay by maximum likelihood, each channel with white noise of its own.
 
-    The covariance is for noise that is as dense as it is about each mode.
+    The covariance is for noise that is as dense as it is about each mode and while the mode rings.
 
     Args:
         signals: (n_channels, N).
@@ -147,12 +156,35 @@ def fit_poles(signals: FloatArray, fs: float, start: Sequence[complex] | Complex
     weights = (n_samples - 2 * len(poles)) / state.left
     _, curvature = _normal(state, weights)
     residual = left_over(signals, waves_of(poles, n_samples, fs))
-    deviation = np.sqrt(np.tile(noise_colour(residual, fs, np.abs(poles) / (2.0 * np.pi)), 2))
-    covariance = _solve(curvature, np.eye(2 * len(poles))) * np.outer(deviation, deviation)
+    dense = np.maximum(noise_colour(residual, fs, np.abs(poles) / (2.0 * np.pi)), ringing_colour(residual, fs, poles))
+    bound = _solve(curvature, np.eye(2 * len(poles)))
+    uneven = np.diag(_where_it_matters(state, weights, residual, fs, poles, bound)) / np.diag(bound)
+    deviation = np.sqrt(np.maximum(np.tile(dense, 2), np.where(uneven > UNEVEN, uneven, 1.0)))
+    covariance = bound * np.outer(deviation, deviation)
     noise = np.sqrt(state.left / (n_samples - 2 * len(poles) - 2 * len(poles) / n_channels))
     order = np.argsort(poles.imag)
     both = np.concatenate([order, order + len(poles)])
     return Poles(poles[order], state.amplitudes.T[order], covariance[np.ix_(both, both)], noise)
+
+
+def _where_it_matters(
+    state: "_State", weights: FloatArray, residual: FloatArray, fs: float, poles: ComplexArray, bound: FloatArray
+) -> FloatArray:
+    """(2 n, 2 n) covariance of the poles for noise that is as loud at each moment as what is left there.
+
+    Source: White, Econometrica 48 (1980) 817, eq. (10).
+    """
+    n, size = len(poles), residual.shape[1]
+    waves = waves_of(poles, size, fs)
+    basis = np.concatenate([waves.real, -waves.imag])
+    steep = basis * (np.arange(size) / fs)
+    reduced = steep - _solve(state.gram[: 2 * n, : 2 * n], state.gram[: 2 * n, 2 * n :]).T @ basis
+    meat = np.zeros((2 * n, 2 * n))
+    for c, weight in enumerate(weights):
+        J = _towards(state.amplitudes[c])
+        slopes = J.T @ reduced * residual[c]
+        meat += weight**2 * slopes @ slopes.T
+    return np.asarray(bound @ meat @ bound)
 
 
 def pole_covariance(
@@ -198,14 +230,18 @@ def _normal(state: _State, weights: FloatArray) -> tuple[FloatArray, FloatArray]
     reduced = outer - cross.T @ _solve(inner, cross)
     gradient, curvature = np.zeros(2 * n), np.zeros((2 * n, 2 * n))
     for c, weight in enumerate(weights):
-        a, b = np.diag(state.amplitudes[c].real), np.diag(state.amplitudes[c].imag)
-        # d signal / d(real, imaginary part of a pole), on the columns of t B
-        J = np.block([[a, -b], [b, a]])
+        J = _towards(state.amplitudes[c])
         numbers = np.concatenate([state.amplitudes[c].real, state.amplitudes[c].imag])
         fault = state.projections[2 * n :, c] - cross.T @ numbers
         gradient += weight * (J.T @ fault)
         curvature += weight * (J.T @ reduced @ J)
     return gradient, curvature
+
+
+def _towards(amplitudes: ComplexArray) -> FloatArray:
+    """(2 n, 2 n) derivatives of one channel by real, then imaginary parts of the poles, on the columns of t B."""
+    a, b = np.diag(amplitudes.real), np.diag(amplitudes.imag)
+    return np.block([[a, -b], [b, a]])
 
 
 def _solve(matrix: FloatArray, right: FloatArray) -> FloatArray:

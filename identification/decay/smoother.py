@@ -15,8 +15,18 @@ from identification.decay.course import NORMAL_95, UNTOLD, Course, Told, Weighed
 from identification.decay.poles import Poles
 from identification.decay.walk import Points
 from models.arrays import ComplexArray, FloatArray, IntArray
+from models.errors import InputError
 
 MOST_PASSES = 6
+LEAST_EDGES = 3
+"""Of two blocks: one level has no slope."""
+
+FARTHEST = 20.0
+"""Np beside its path at which what a block shows is not the mode."""
+
+MOST_GROWTH = 2.0
+"""Np that a mode may grow by along its course: more than a beat or a jump makes, and no decay."""
+
 SAME_PATH, SAME_END = 0.3, 0.9
 """The blocks are fitted anew until the path changes by less than this share of their errors, and the end little."""
 
@@ -64,6 +74,11 @@ class SmoothedMode:
     decay_points: Points
     turning_points: Points
     blocks: Deviations
+
+    @property
+    def loudest(self) -> float:
+        """Largest log-amplitude on its course beside that of the first sample, Np."""
+        return float(integral_of(self.decay.times, self.decay.rate, self.decay.times).max())
 
     @property
     def natural_freq(self) -> Interval:
@@ -115,31 +130,58 @@ def smooth_decay(
 
     Returns:
         one for each mode, in order of frequency.
+
+    Raises:
+        InputError: a mode that cannot be followed; ``follow_modes`` tells which.
+    """
+    followed = follow_modes(signals, fs, poles, kick_signs, told)
+    lost = [f"{freq:.4g}" for freq, mode in zip(poles.natural_freqs, followed, strict=True) if mode is None]
+    if lost:
+        raise InputError(
+            f"a mode at {', '.join(lost)} Hz that does not stand out for two blocks",
+            "a mode is followed while it decays steadily above what the others leave",
+            "leave it out, or take a decay in which it is stronger",
+        )
+    return tuple(mode for mode in followed if mode is not None)
+
+
+def follow_modes(
+    signals: FloatArray,
+    fs: float,
+    poles: Poles,
+    kick_signs: FloatArray,
+    told: Told = UNTOLD,
+) -> tuple[SmoothedMode | None, ...]:
+    """The same as ``smooth_decay`` for modes of which some may not be followed at all.
+
+    A mode is lost where less than two blocks show it, or where its course comes to grow without end or to turn
+    backwards; its pole stays beside the others.
+
+    Returns:
+        one for each mode, in order of frequency; None for one that is lost.
     """
     time = np.arange(signals.shape[1]) / fs
     paths = poles.values[:, None] * time
     seen = np.full(len(poles.values), signals.shape[1])
+    left = list(range(len(seen)))
     for _ in range(MOST_PASSES):
         colours = noise_colour(left_over(signals, np.exp(paths)), fs, poles.natural_freqs)
-        sights = [_see(signals, fs, poles, paths, m, int(seen[m]), colours[m]) for m in range(len(seen))]
-        weighed = [_weigh(sight, time, kick_signs, told) for sight in sights]
-        found = np.stack([_path(sight, *both, time) for sight, both in zip(sights, weighed, strict=True)])
-        ends = np.array([np.ceil(sight.blocks.last_clear * fs) for sight in sights], dtype=int)
-        still = [_still(sight, path) for sight, path in zip(sights, found, strict=True)]
-        if all(still) and (ends >= SAME_END * seen).all():
+        sights = {m: _see(signals, fs, poles, paths, m, int(seen[m]), colours[m]) for m in left}
+        looked = {m: sight for m, sight in sights.items() if sight is not None}
+        weighed = {m: _weigh(sight, time, kick_signs, told) for m, sight in looked.items()}
+        found = {m: _path(looked[m], *weighed[m], time) for m in looked}
+        ends = {m: int(np.ceil(looked[m].blocks.last_clear * fs)) for m in looked}
+        sound = {m for m in looked if _sound(found[m], ends[m])}
+        shorter = {m for m in looked if ends[m] < SAME_END * seen[m]}
+        still = all(m in sound and m not in shorter and _still(looked[m], found[m]) for m in left)
+        if still:
             break
-        paths, seen = found, ends
-    return tuple(
-        SmoothedMode(
-            decay.average().beside(sight.pole.real),
-            turning.average().beside(sight.pole.imag),
-            -sight.pole.real,
-            decay.points,
-            turning.points,
-            sight.blocks,
-        )
-        for sight, (decay, turning) in zip(sights, weighed, strict=True)
-    )
+        for m in left:
+            paths[m] = found[m] if m in sound else poles.values[m] * time
+        for m in looked:
+            seen[m] = ends[m]
+        left = [m for m in left if m in sound or m in shorter]
+    return tuple(_smoothed(looked[m], *weighed[m]) if m in sound else None for m in range(len(seen)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,11 +196,18 @@ class _Sight:
 
 def _see(
     signals: FloatArray, fs: float, poles: Poles, paths: ComplexArray, mode: int, seen: int, colour: float
-) -> _Sight:
+) -> _Sight | None:
+    """A mode's blocks; longer ones where it stands out in few, None where there are less than two or show another."""
     most = MOST_BLOCKS
     while True:
         edges = block_edges(seen, fs, poles.values.imag / (2.0 * np.pi), mode, most)
+        if len(edges) < LEAST_EDGES:
+            return None
         blocks = deviations(signals, fs, paths, mode, edges, colour)
+        if not np.isfinite(blocks.variances + blocks.log_amplitude + blocks.phase).all():
+            return None
+        if np.abs(blocks.log_amplitude[blocks.clear]).max(initial=0.0) > FARTHEST:
+            return None
         enough = min(LEAST_BLOCKS, MOSTLY * len(blocks.clear))
         if np.count_nonzero(blocks.clear) >= enough or most <= LEAST_BLOCKS:
             return _Sight(complex(poles.values[mode]), paths[mode], edges, blocks)
@@ -182,9 +231,28 @@ def _weigh(sight: _Sight, time: FloatArray, kick_signs: FloatArray, told: Told) 
 
 
 def _path(sight: _Sight, decay: Weighed, turning: Weighed, time: FloatArray) -> ComplexArray:
-    """(N,) the integral of both most likely rates, which stay after the mode has drowned."""
+    """(N,) the integral of both most likely rates, which stay after the mode has drowned unless it grows too much."""
     losing, phasing = (integral_of(*weighed.most_likely(), time) for weighed in (decay, turning))
-    return sight.pole * time + losing + 1j * phasing
+    path = np.asarray(sight.pole * time + losing + 1j * phasing)
+    end = int(np.searchsorted(time, sight.blocks.last_clear))
+    return np.asarray(np.minimum(path.real, path.real[:end].max() + MOST_GROWTH) + 1j * path.imag)
+
+
+def _sound(path: ComplexArray, end: int) -> bool:
+    """Whether a mode, up to the end of where it is clear, turns forwards and never grows as no decay does."""
+    growth = path.real[:end] - np.minimum.accumulate(path.real[:end])
+    return bool(np.diff(path.imag[:end]).min() > 0.0 and growth.max() < MOST_GROWTH)
+
+
+def _smoothed(sight: _Sight, decay: Weighed, turning: Weighed) -> SmoothedMode:
+    return SmoothedMode(
+        decay.average().beside(sight.pole.real),
+        turning.average().beside(sight.pole.imag),
+        -sight.pole.real,
+        decay.points,
+        turning.points,
+        sight.blocks,
+    )
 
 
 def _still(sight: _Sight, path: ComplexArray) -> bool:

@@ -61,26 +61,24 @@ def identify(
     """Frequency and damping over time with intervals, and what they depend on: identification.json and figures."""
     folder = out_folder(out, record, "identification.json", "rig.updated.toml", "figures/")
     with progress() as tell:
-        from identification.decay.identify import Settings
+        from identification.decay.attempt import Settings
         from testbed.identify.run import Order, run_identification
 
         settings = Settings(band, tuple(mode or ()), denoise, seed=seed)
         order = Order(record, rig, tuple(channel or ()), excitation, tuple(without or ()), begin, end, mass, sleeve)
         content = run_identification(order, settings, folder, progress=tell)
-    from testbed.cli.tables import print_json, print_table, say
+    from testbed.cli.tables import measured, print_json, print_table, say
 
     if as_json:
         print_json(content)
         return
-    heads = ("decay", "mode", "frequency [Hz]", "std", "damping ratio [%]", "std", "followed [s]")
+    heads = ("decay", "mode", "frequency [Hz]", "damping ratio [%]", "followed [s]")
     rows = [
         (
             d + 1,
             m + 1,
-            f"{row['natural_freq']:.4f}",
-            f"{row['natural_freq_std']:.2g}",
-            f"{100 * row['damping_ratio']:.4f}",
-            f"{100 * row['damping_ratio_std']:.2g}",
+            measured({"value": row["natural_freq"], "std": row["natural_freq_std"]}),
+            measured({"value": 100 * row["damping_ratio"], "std": 100 * row["damping_ratio_std"]}),
             f"{row['frequency']['time'][-1]:.3g}",
         )
         for d, decay in enumerate(content["decays"])

@@ -17,6 +17,9 @@ WIDEST = 4.0
 """Axes show the interval's middle and this many times its spread, so that a mode's last breath does not fill them."""
 
 
+SAME_PEAK = 0.03
+"""Share of a mode's frequency within which a peak of the spectrum is this mode."""
+
 LEAST_FREQUENCY, LEAST_DAMPING = 2e-3, 0.1
 """Half-widths of the axes at least, as shares of the values: what is steady looks so."""
 
@@ -63,12 +66,16 @@ def sleeve_figure(damping: SleeveDamping, sleeve: str) -> Figure:
     figure = Figure(figsize=(8.0, 4.0), layout="constrained")
     ax = figure.subplots()
     half = 0.5 * (damping.high - damping.low)
-    ax.errorbar(damping.times, damping.value, half, fmt=".", color=SMOOTHER, elinewidth=0.6, label="modes, 95 %")
-    knots = damping.effect
-    ax.plot(knots.times, knots.values, color=RIDGE, marker="o", markersize=4.0, label="time_varying_damping")
+    ax.errorbar(
+        damping.times, damping.value, half, fmt=".", color=SMOOTHER, alpha=0.5, elinewidth=0.6, label="modes, 95 %"
+    )
+    knots, above = damping.effect, 4  # matplotlib draws error bars above lines of the same order
+    ax.plot(
+        knots.times, knots.values, color=RIDGE, marker="o", markersize=4.0, label="time_varying_damping", zorder=above
+    )
     ax.set_ylim(0.0, 1.3 * float(np.max(damping.value)))
     ax.set(xlabel="time in the record [s]", ylabel="contact damping [N s/m]", title=sleeve)
-    ax.legend(fontsize=8, loc="lower right")
+    figure.legend(fontsize=8, loc="outside lower center", ncols=2)
     return figure
 
 
@@ -80,6 +87,7 @@ def spectrum_figure(found: Identification, decay: Decay, name: str, unit: str) -
     top.plot(decay.start + np.arange(decay.signals.shape[1]) / decay.fs, decay.signals[channel], linewidth=0.5)
     top.set(xlabel="time [s]", ylabel=f"strongest channel [{unit}]", title=f"{name}: decay as analysed")
     plot_spectrum(bottom, found)
+    figure.legend(*bottom.get_legend_handles_labels(), fontsize=8, loc="outside lower center", ncols=3)
     return figure
 
 
@@ -93,13 +101,18 @@ def plot_spectrum(ax: Axes, found: Identification) -> None:
     spectrum = found.spectrum.spectrum
     ax.semilogy(spectrum.frequency, spectrum.power, color="0.35", linewidth=0.7, label="all channels")
     ax.axhline(1.0, color="tab:green", linewidth=1.0, label="floor")
-    ax.axhline(spectrum.threshold, color="tab:green", linestyle=":", label="noise reaches this once in 1,000 records")
-    for i, freq in enumerate(found.decays[0].poles.natural_freqs):
-        ax.axvline(freq, color=SMOOTHER, linewidth=0.8, alpha=0.7, label="mode" if i == 0 else None)
+    ax.axhline(
+        spectrum.threshold, color="tab:green", linestyle=":", label="peaks of noise reach this once in 1,000 records"
+    )
+    peaks = np.array([peak.frequency for peak in found.spectrum.peaks])
+    freqs = found.decays[0].poles.natural_freqs
+    shown = np.array([bool((np.abs(peaks / freq - 1.0) < SAME_PEAK).any()) for freq in freqs], dtype=bool)
+    for kind, style, label in ((shown, "-", "mode, a peak"), (~shown, ":", "mode, found in what the others leave")):
+        for i, freq in enumerate(freqs[kind]):
+            ax.axvline(freq, color=SMOOTHER, linestyle=style, linewidth=1.0, label=label if i == 0 else None)
     for i, cut in enumerate(found.cuts):
         ax.axvline(cut, color="tab:red", linestyle="--", linewidth=0.8, label="cut" if i == 0 else None)
     ax.set(xlabel="frequency [Hz]", ylabel="power / floor")
-    ax.legend(fontsize=8, loc="upper right", framealpha=1.0)
 
 
 def mode_figure(mode: ModeInDecay, scalogram: Scalogram, title: str, unit: str, truth: Truth | None = None) -> Figure:
@@ -131,6 +144,8 @@ def mode_figure(mode: ModeInDecay, scalogram: Scalogram, title: str, unit: str, 
     plot_over_amplitude(axes[2, 1], mode, damping, LEAST_DAMPING)
     axes[2, 0].set(xlabel=f"amplitude [{unit}]", ylabel="natural frequency [Hz]")
     axes[2, 1].set(xlabel=f"amplitude [{unit}]", ylabel="damping ratio [-]")
+    for ax in axes[2]:
+        ax.legend(fontsize=8, framealpha=1.0)
     return figure
 
 
@@ -203,8 +218,8 @@ def plot_over_amplitude(ax: Axes, mode: ModeInDecay, course: Interval, least: fl
     amplitude = np.exp(mode.watched_decay.log_amplitude)
     order = np.argsort(amplitude)
     low, high = (np.interp(times, course.times, bound)[order] for bound in (course.low, course.high))
-    ax.fill_between(amplitude[order], low, high, color=SMOOTHER, alpha=0.25, linewidth=0.0)
-    ax.semilogx(amplitude[order], course.at(times)[order], color=SMOOTHER, linewidth=1.4)
+    ax.fill_between(amplitude[order], low, high, color=SMOOTHER, alpha=0.25, linewidth=0.0, label="95 %")
+    ax.semilogx(amplitude[order], course.at(times)[order], color=SMOOTHER, linewidth=1.4, label="smoother")
     ax.set_ylim(*_limits(course, least))
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from identification.decay.free import free_stretches
+from identification.decay.free import NEVER_QUIET, free_stretches, quiet_and_loudest
 from identification.decay.mode_search import LEAST_PERIODS
 from identification.signals.peaks import LEAST_SAMPLES
 from models.arrays import FloatArray
@@ -88,14 +88,26 @@ def decays_of(
         raise _too_short(path.name, n / fs, fs)
     stretches = free_stretches(channels.excitation, channels.responses, fs, max(LEAST_SHARE * n, LEAST_SAMPLES) / fs)
     if not stretches:
-        raise InputError(
-            f"{path.name}: the excitation acts throughout",
-            "frequency and damping of the rig itself show while it moves freely, for "
-            f"{LEAST_SAMPLES} samples and {LEAST_SHARE:.0%} of the record at least",
-            "name a record with a free decay, or a stretch of this one with --from and --to",
-        )
+        raise _never_free(path.name, channels.excitation)
     words = [f"{a / fs:.4g} to {b / fs:.4g} s" for a, b in stretches]
     return _decays(channels, stretches, (f"{len(stretches)} free decay(s): {', '.join(words)}",))
+
+
+def _never_free(name: str, excitation: FloatArray | None) -> InputError:
+    """Why no free decay was found: a force that never ends, or whose own noise hides where it does."""
+    heard, hidden = "", ""
+    if excitation is not None and (levels := quiet_and_loudest(excitation))[0] > NEVER_QUIET * levels[1]:
+        heard = f": {levels[0]:.3g} rms where it is quietest, {levels[1]:.3g} where it is loudest"
+        hidden = (
+            f"; if it was a blow, noise on the force is what hides its end (a blow is told that stands "
+            f"{1.0 / NEVER_QUIET:g} times out of it): name the time after it with --from, or strike harder"
+        )
+    return InputError(
+        f"{name}: the excitation acts throughout{heard}",
+        "frequency and damping of the rig itself show while it moves freely, for "
+        f"{LEAST_SAMPLES} samples and {LEAST_SHARE:.0%} of the record at least",
+        f"name a record with a free decay, or a stretch of this one with --from and --to{hidden}",
+    )
 
 
 def _too_short(where: str, seconds: float, fs: float) -> InputError:

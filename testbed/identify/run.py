@@ -5,9 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
+from identification.decay.attempt import Settings
 from identification.decay.cause import Cause
 from identification.decay.damping_terms import shares_of, three_terms
-from identification.decay.identify import Decay, Identification, ModeInDecay, Settings, identify
+from identification.decay.identify import Decay, Identification, ModeInDecay, identify
 from identification.decay.ridge import find_ridge
 from identification.decay.smoother import Interval
 from identification.decay.wavelet import morlet_transform
@@ -241,7 +242,7 @@ def _sleeve_json(damping: SleeveDamping, sleeve: str) -> Json:
 def _draw(found: Identification, decays: Decays, stage: Path) -> None:
     folder, unit = stage / "figures", unit_of(decays.channels.quantities[0])
     save(spectrum_figure(found, found.decays[0], decays.channels.name, unit), folder, "modes")
-    for d, m, name in names_of(len(found.decays), len(found.cuts) + 1):
+    for d, m, name in names_of(len(found.decays), len(found.decays[0].modes)):
         decay = found.decays[d]
         mode = decay.modes[m]
         shown = _scalogram(mode, decay.fs)

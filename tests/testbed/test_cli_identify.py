@@ -72,7 +72,7 @@ def test_an_equivalent_mass_gives_a_dashpot(folder):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["sweep.csv"], "the excitation acts throughout; frequency and damping of the rig itself show while it moves"),
+        (["sweep.csv"], "where it is loudest; frequency and damping of the rig itself show while it moves"),
         (
             ["decay.csv", "--excitation", "x"],
             "decay.csv: no channel 'x' for --excitation; its channels are shaker, P1",
@@ -113,3 +113,22 @@ def test_a_record_too_short_for_any_decay_says_so(folder, capsys):
     (folder / "cut.csv").write_text("\n".join(lines[:300]) + "\n")
     assert main(["identify", str(folder / "cut.csv"), "--out", str(folder / "no")]) == 2
     assert "512 samples or more" in capsys.readouterr().err.splitlines()[-1]
+
+
+def test_noise_on_the_force_is_named_where_it_hides_the_blow(folder, capsys):
+    """A blow of a hundredth of a second whose peak is ten times the noise of its channel."""
+    time = np.arange(8192) / 2048.0
+    rng = np.random.default_rng(0)
+    force = 0.3 * np.exp(-(((time - 0.1) / 2e-3) ** 2)) + 0.02 * rng.standard_normal(time.size)
+    ringing = np.where(time > 0.1, np.exp(-3.0 * (time - 0.1)) * np.sin(2.0 * np.pi * 60.0 * (time - 0.1)), 0.0)
+    rows = np.column_stack([time, force, ringing + 1e-4 * rng.standard_normal(time.size)])
+    record = folder / "soft.csv"
+    np.savetxt(record, rows, delimiter=",", header="time [s],force [N],A1 [m/s^2]", comments="")
+    assert main(["identify", str(record), "--excitation", "force", "--out", str(folder / "soft")]) == 2
+    message = capsys.readouterr().err.splitlines()[-1]
+    assert "noise on the force is what hides its end" in message
+    assert "--from" in message
+    begun = ["identify", str(record), "--excitation", "force", "--from", "0.12", "--out", str(folder / "soft")]
+    assert main(begun) == 0
+    (mode,) = json.loads((folder / "soft" / "identification.json").read_text())["decays"][0]["modes"]
+    assert mode["natural_freq"] == pytest.approx(60.0, rel=1e-3)

@@ -3,6 +3,7 @@ import pytest
 from decay_scenes import noisy, ringing
 
 from identification.decay.blocks import block_edges, deviations, scatter
+from models.errors import InputError
 
 FS = 512.0
 POLES = np.array([-0.4 + 2j * np.pi * 9.0, -0.3 + 2j * np.pi * 11.0])
@@ -61,3 +62,17 @@ def test_scatter_is_one_where_the_noise_explains_it_and_the_excess_elsewhere():
     assert scatter(levels, np.full(200, 1e-6)) == pytest.approx(10.0, rel=0.2)
     jumping = levels + np.where(np.arange(200) > 100, 5.0, 0.0)
     assert scatter(jumping, np.full(200, 1e-4)) == 1.0
+
+
+def test_a_mode_seen_for_less_than_two_blocks_has_one():
+    assert list(block_edges(40, 4096.0, np.array([150.0, 200.0, 260.0, 365.0]), 0)) == [0, 40]
+
+
+def test_a_mode_that_dies_within_a_beat_has_two_blocks():
+    assert len(block_edges(200, FS, np.array([50.0, 52.5]), 0)) == 3
+
+
+def test_more_numbers_than_samples_are_refused_in_words():
+    signals = ringing(POLES, SHAPES, FS, 64)
+    with pytest.raises(InputError, match=r"2 modes in 16 blocks of 64 samples together; .* take fewer blocks or modes"):
+        deviations(signals, FS, paths(64), 0, np.arange(0, 65, 4))

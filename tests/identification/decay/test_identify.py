@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 from decay_scenes import noisy, rest_modes, ringing
 
+from identification.decay.attempt import Settings
 from identification.decay.course import integral_of
-from identification.decay.identify import Settings, identify
+from identification.decay.identify import identify
 from models.errors import InputError
 from models.rig_file import read_rig
 

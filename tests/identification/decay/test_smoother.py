@@ -4,9 +4,10 @@ from decay_scenes import FS, MASS, OMEGA, line, noisy, rest_modes, ringing, step
 
 from identification.decay.course import Told
 from identification.decay.cramer_rao import decay_floor, stepped, straight
-from identification.decay.poles import fit_poles
-from identification.decay.smoother import smooth_decay
+from identification.decay.poles import Poles, fit_poles
+from identification.decay.smoother import follow_modes, smooth_decay
 from identification.decay.verification import verification_decay
+from models.errors import InputError
 from models.rig_file import read_rig
 
 SEEDS = 6
@@ -104,3 +105,16 @@ def test_the_reference_rig_at_rest_is_identified_and_intervals_cover():
     assert np.mean(inside, axis=0).min() > 0.90
     assert np.mean(inside, axis=0).max() < 0.995
     assert 0.93 < np.mean(inside) < 0.97
+
+
+def test_a_mode_that_no_two_blocks_show_is_lost_and_the_others_stay():
+    """The second mode is dead after a period and a half, and noise is all that blocks of it show."""
+    values = np.array([-8.0 + 2j * np.pi * 81.0, -900.0 + 2j * np.pi * 160.0])
+    signals = noisy(ringing(values, np.array([[1.0, 0.8], [0.02, -0.02]]), 4096.0, 4096), 40.0, 0)
+    poles = fit_poles(signals, 4096.0, values[:1])
+    both = Poles(values, np.vstack([poles.shapes, [[0.02, -0.02]]]), np.eye(4), poles.noise)
+    stays, lost = follow_modes(signals, 4096.0, both, np.ones(2))
+    assert lost is None
+    assert stays.natural_freq.value == pytest.approx(81.01, rel=1e-3)
+    with pytest.raises(InputError, match=r"a mode at 214.7 Hz that does not stand out for two blocks; .*; leave it"):
+        smooth_decay(signals, 4096.0, both, np.ones(2))
