@@ -29,7 +29,7 @@ RATE_PER_BAND = 2.6
 OTHER = 0.05
 """Share by which a mode's frequency may differ between the decays of one record."""
 
-LATER = (1.0, 2.0, 4.0)
+LATER = (1.0, 2.0, 4.0, 8.0)
 """Periods of the lowest mode that later begins leave out."""
 
 
