@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.linalg import LinAlgError
 
 from identification.decay.course import UNTOLD, Told
 from identification.decay.followed import why_untold
@@ -28,7 +29,7 @@ RATE_PER_BAND = 2.6
 OTHER = 0.05
 """Share by which a mode's frequency may differ between the decays of one record."""
 
-LATER = (1.0, 2.0, 4.0)
+LATER = (1.0, 2.0, 4.0, 8.0)
 """Periods of the lowest mode that later begins leave out."""
 
 
@@ -119,7 +120,14 @@ def best_attempt(
         InputError: no mode stands out, a decay too short for its modes, settings that do not fit, or no mode that can
             be followed from any begin.
     """
-    best = _attempt(decays, starts, fs, kick_signs, settings, progress)
+    try:
+        best = _attempt(decays, starts, fs, kick_signs, settings, progress)
+    except LinAlgError as error:
+        raise InputError(
+            "modes that cannot be computed: a matrix is singular",
+            "the modes of a decay differ from one another and ring for several periods",
+            "name the modes with --mode, look at one band with --band, or begin later with --from",
+        ) from error
     longest = min(signals.shape[1] for signals in decays) - LEAST_SAMPLES
     for begin in (int(np.ceil(periods * fs / best.lowest)) for periods in LATER):
         if len(best.untold) < max(best.n_told, 1) or begin > longest:
@@ -128,7 +136,7 @@ def best_attempt(
         later = [start + begin / fs for start in starts]
         try:
             trial = _attempt([signals[:, begin:] for signals in decays], later, fs, kick_signs, settings, progress)
-        except InputError:
+        except (InputError, LinAlgError):
             continue
         if trial.n_told > best.n_told:
             told = f"begun {begin / fs:.3g} s later: what rings before cannot be followed as modes that decay"

@@ -35,6 +35,9 @@ FINEST = 1e-6
 DROWNED = -200.0
 """Np below which a path's level makes no difference any more."""
 
+STEEPEST = 300.0
+"""Np from a block's begin to its middle at most, so that squares stay finite; where a mode falls by more it is dead."""
+
 UNTOLD = 1e60
 """Variance of an amplitude of which a block says nothing, for noise of 1."""
 
@@ -116,7 +119,8 @@ def deviations(
     signals, paths = signals[:, : edges[-1]], paths[:, : edges[-1]]
     centre = (edges[1:] + edges[:-1] - 1) // 2
     level = np.repeat(paths.real[:, centre], np.diff(edges), axis=1)
-    waves = np.exp(paths - level)
+    beside = paths - level
+    waves = np.exp(np.minimum(beside.real, STEEPEST) + 1j * beside.imag)
     basis = np.concatenate([waves.real, -waves.imag])
     rows = len(basis)
     if signals.shape[1] <= rows * len(centre):
@@ -151,10 +155,10 @@ def _read(
     weights = shape.conj() / noise**2
     strength = float((weights @ shape).real)
     along = found @ weights / strength / size
-    trust = size**2 / own
-    scale = np.sum(np.abs(along) * trust) / np.sum(trust) * np.exp(1j * np.angle(np.sum(along * trust)))
-    ratio = along / scale if scale else np.full_like(along, np.nan)
-    with np.errstate(divide="ignore", over="ignore"):  # infinite where nothing shows the mode
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # not finite where no block shows the mode
+        trust = size**2 / own
+        scale = np.sum(np.abs(along) * trust) / np.sum(trust) * np.exp(1j * np.angle(np.sum(along * trust)))
+        ratio = along / scale
         variances = own / (strength * np.abs(scale * size) ** 2)
     clear = variances < CLEAR**2 * np.abs(ratio) ** 2
     log, phase = ratio.real - 1.0, np.array(ratio.imag)

@@ -22,7 +22,7 @@ LEAST_EDGES = 3
 """Of two blocks: one level has no slope."""
 
 FARTHEST = 20.0
-"""Np beside its path at which what a block shows is not the mode."""
+"""Np below its first amplitude, 174 dB, or beside its path, at which what a block shows is not the mode."""
 
 MOST_GROWTH = 2.0
 """Np that a mode may grow by along its course: more than a beat or a jump makes, and no decay."""
@@ -162,7 +162,8 @@ def follow_modes(
     """
     time = np.arange(signals.shape[1]) / fs
     paths = poles.values[:, None] * time
-    seen = np.full(len(poles.values), signals.shape[1])
+    drowned = np.ceil(FARTHEST * fs / np.maximum(-poles.values.real, np.finfo(float).tiny))
+    seen = np.minimum(drowned, signals.shape[1]).astype(int)
     left = list(range(len(seen)))
     for _ in range(MOST_PASSES):
         colours = noise_colour(left_over(signals, np.exp(paths)), fs, poles.natural_freqs)

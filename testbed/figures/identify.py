@@ -70,9 +70,11 @@ def sleeve_figure(damping: SleeveDamping, sleeve: str) -> Figure:
         damping.times, damping.value, half, fmt=".", color=SMOOTHER, alpha=0.5, elinewidth=0.6, label="modes, 95 %"
     )
     knots, above = damping.effect, 4  # matplotlib draws error bars above lines of the same order
-    ax.plot(
-        knots.times, knots.values, color=RIDGE, marker="o", markersize=4.0, label="time_varying_damping", zorder=above
-    )
+    ends = [min(damping.times[0], knots.times[0]), max(damping.times[-1], knots.times[-1])]
+    times = np.unique([*ends, *knots.times])
+    held = np.interp(times, knots.times, knots.values)
+    ax.plot(times, held, color=RIDGE, label="time_varying_damping", zorder=above)
+    ax.plot(knots.times, knots.values, color=RIDGE, marker="o", markersize=4.0, linestyle="", zorder=above)
     ax.set_ylim(0.0, 1.3 * float(np.max(damping.value)))
     ax.set(xlabel="time in the record [s]", ylabel="contact damping [N s/m]", title=sleeve)
     figure.legend(fontsize=8, loc="outside lower center", ncols=2)
@@ -104,15 +106,22 @@ def plot_spectrum(ax: Axes, found: Identification) -> None:
     ax.axhline(
         spectrum.threshold, color="tab:green", linestyle=":", label="peaks of noise reach this once in 1,000 records"
     )
-    peaks = np.array([peak.frequency for peak in found.spectrum.peaks])
-    freqs = found.decays[0].poles.natural_freqs
-    shown = np.array([bool((np.abs(peaks / freq - 1.0) < SAME_PEAK).any()) for freq in freqs], dtype=bool)
-    for kind, style, label in ((shown, "-", "mode, a peak"), (~shown, ":", "mode, found in what the others leave")):
-        for i, freq in enumerate(freqs[kind]):
-            ax.axvline(freq, color=SMOOTHER, linestyle=style, linewidth=1.0, label=label if i == 0 else None)
+    labelled = set()
+    for freq in found.decays[0].poles.natural_freqs:
+        style, label = _how_found(found, float(freq))
+        ax.axvline(freq, color=SMOOTHER, linestyle=style, linewidth=1.0, label=None if label in labelled else label)
+        labelled.add(label)
     for i, cut in enumerate(found.cuts):
         ax.axvline(cut, color="tab:red", linestyle="--", linewidth=0.8, label="cut" if i == 0 else None)
     ax.set(xlabel="frequency [Hz]", ylabel="power / floor")
+
+
+def _how_found(found: Identification, freq: float) -> tuple[str, str]:
+    """Line style and label of a mode: whether this spectrum shows it, or that of the decay's beginning, or neither."""
+    parts = [peak.part for peak in found.spectrum.peaks if abs(peak.frequency / freq - 1.0) < SAME_PEAK]
+    if not parts:
+        return ":", "mode, found in what the others leave"
+    return ("-", "mode, a peak") if min(parts) == 1 else ("-.", "mode, a peak of the decay's beginning alone")
 
 
 def mode_figure(mode: ModeInDecay, scalogram: Scalogram, title: str, unit: str, truth: Truth | None = None) -> Figure:

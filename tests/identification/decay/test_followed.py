@@ -21,6 +21,12 @@ def test_an_endless_decay_tells_all_and_none_nothing():
     assert information_share(20.0) == pytest.approx(1.0, abs=1e-9)
 
 
+@pytest.mark.parametrize(("ratio", "share"), [(0.01, 0.05), (0.02, 0.24), (0.09, 0.99)])
+def test_what_eight_periods_tell(ratio, share):
+    """The figures of docs/theory.md, section 11."""
+    assert information_share(2.0 * np.pi * ratio * 8.0) == pytest.approx(share, abs=0.005)
+
+
 @pytest.mark.parametrize("seconds", [0.02, 0.1, 0.5])
 def test_the_bound_in_closed_form_is_that_of_the_poles(seconds):
     ratio, freq, noise = 0.05, 160.0, 1e-2
