@@ -289,6 +289,8 @@ def verdict_of(session: Session, calibrated: Fit, final: Fit, *, taken_out: bool
         f"unexplained: the best of the library leaves {final.ratio:.2f} times the noise and takes away {share:.1%} of "
         f"the misfit beyond it; {short}"
         if has_effects
+        else "unexplained: what would explain it is not established"
+        if taken_out
         else "unexplained: nothing in the library explains what is left"
     )
     return "unexplained"
@@ -306,8 +308,8 @@ def refuted(session: Session, last: Fit, kept: KeptAside) -> bool:
         return False
     names = " and ".join(effect.label() for effect in last.hypothesis.effects)
     session.decide(
-        f"unexplained: {names} comes nearest, but leaves {last.ratio:.2f} times the noise where it was fitted, and "
-        f"what was learnt does not hold on {' and '.join(kept.missed)}"
+        f"unexplained after all: {names} comes nearest, but leaves {last.ratio:.2f} times the noise where fitted, "
+        f"and what was learnt does not hold on {' and '.join(kept.missed)}"
     )
     return True
 

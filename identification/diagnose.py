@@ -27,7 +27,6 @@ from identification.evidence import Ranked
 from identification.exchange import exchanged
 from identification.fewer import with_fewer
 from identification.fit import Fit, fit
-from identification.flatness import flattened
 from identification.hypothesis import Hypothesis
 from identification.in_all_sleeves import fallen_apart, in_all_sleeves
 from identification.instead import instead_of
@@ -130,9 +129,9 @@ def diagnose(
     if verdict == "missing_effect" and refuted(session, last, kept):
         verdict, final = "unexplained", chain[0]
         last = settled(session, final)
-        kept = kept_aside(session, given, last.hypothesis, holdout)
+        calibrated = kept_aside(session, given, last.hypothesis, holdout)
+        kept = replace(calibrated, missed=calibrated.missed or kept.missed)
     calibration = one_set_of_numbers(session, chain[0], verdict)
-    last = flattened(session.all_predicted, last)
     found = concluded(session, stages, rounds, verdict, final, last, kept, seed, began)
     return replace(found, calibration=calibration)
 

@@ -69,10 +69,13 @@ def _judged(evaluator: Evaluator, known: Hypothesis) -> list[tuple[str, str, boo
     limits = horizons(evaluator, known)
     durations = {target.record.name: target.record.duration for target in evaluator.timed}
     followed = score(cut_to(evaluator, inf, limits), known)
-    return [_in_words(row, durations) for row in (*followed.records, *followed.at_rest)]
+    model = "the updated model" if known.effects else "the calibrated model"
+    return [_in_words(row, durations, model) for row in (*followed.records, *followed.at_rest)]
 
 
-def _in_words(row: RecordScore | FrfScore | ModesScore, durations: Mapping[str, float]) -> tuple[str, str, bool]:
+def _in_words(
+    row: RecordScore | FrfScore | ModesScore, durations: Mapping[str, float], model: str
+) -> tuple[str, str, bool]:
     name = row.record.name
     beyond = sqrt(max(row.nrmse**2 - row.noise_nrmse**2, 0.0))
     holds = row.nrmse <= ERROR_REACHED * row.noise_nrmse or beyond <= MODELS_APART
@@ -81,7 +84,7 @@ def _in_words(row: RecordScore | FrfScore | ModesScore, durations: Mapping[str, 
         part = f" in its first {row.record.duration:.3g} s, beyond which no model can follow it"
     verdict = f"what was learnt {'holds' if holds else 'does not hold'} there"
     times = row.nrmse / max(row.noise_nrmse, np.finfo(float).tiny)
-    return name, f"on {name}, kept aside, the updated model leaves {times:.3g} times the noise{part}: {verdict}", holds
+    return name, f"on {name}, kept aside, {model} leaves {times:.3g} times the noise{part}: {verdict}", holds
 
 
 CUT_SHORT = 0.95

@@ -99,10 +99,9 @@ def _shortest_match(signal: FloatArray) -> int | None:
 
 def _differs_by_noise(signal: FloatArray, period: int) -> bool:
     """Whether a signal and itself a period later differ as much beside the excited band as in it."""
-    _, density = welch(signal, nperseg=min(signal.size, SEGMENT))
-    frequency, difference = welch(signal[period:] - signal[:-period], nperseg=min(signal.size - period, SEGMENT))
-    if density.size != difference.size:
-        return False
+    segment = min(signal.size - period, SEGMENT)
+    _, density = welch(signal, nperseg=segment)
+    frequency, difference = welch(signal[period:] - signal[:-period], nperseg=segment)
     recorded = (frequency > 0.0) & (frequency < RECORDED)
     density, difference = density[recorded], difference[recorded]
     excited = density > 2.0 * difference  # a difference has twice the noise

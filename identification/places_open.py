@@ -36,12 +36,12 @@ def with_other_valleys(session: Session, base: Fit, ranked: list[Ranked]) -> lis
         base: the model without an effect more.
         ranked: the best first.
     """
-    doubted = undecided(ranked, probabilities([row.log_evidence for row in ranked]))[:MOST_IN_DOUBT]
+    doubted = _undecided(ranked)[:MOST_IN_DOUBT]
     if len(doubted) < 2:
         return ranked
     rows = [
         Ranked.of(found)
-        for row, _ in doubted
+        for row in doubted
         if row.refitted
         for found in elsewhere(session.fitting, base, row.fit, session.registry)
     ]
@@ -53,7 +53,8 @@ def in_parts(session: Session, ranked: Sequence[Ranked], standing: Fit, index: i
 
     Its place is normally distributed about the one that was fitted, on the beam. Each part of the beam that is as
     probable as the others has a member in the middle of its probability; the one that was fitted stands for the part it
-    is nearest to. What the records exclude is no member.
+    is nearest to. What the records exclude is no member. Beside another effect that they do not exclude the place is
+    left as it is: a group is to tell that first.
 
     Args:
         session: with the records.
@@ -62,7 +63,7 @@ def in_parts(session: Session, ranked: Sequence[Ranked], standing: Fit, index: i
         index: of the effect.
     """
     first = ranked[0]
-    if not (first.refitted and free_place(first.effect)):
+    if not (first.refitted and free_place(first.effect)) or len(_undecided(ranked)) > 1:
         return list(ranked)
     members = [row for where in _other_parts(standing, index) if (row := _held(session, first, where)) is not None]
     near = {id(row) for row, _ in undecided([first, *members], [1.0, *(0.0 for _ in members)])}
@@ -71,6 +72,11 @@ def in_parts(session: Session, ranked: Sequence[Ranked], standing: Fit, index: i
         return list(ranked)
     share = first.log_evidence - log(1.0 + len(members))
     return [replace(row, log_evidence=share) for row in (first, *members)] + list(ranked[1:])
+
+
+def _undecided(ranked: Sequence[Ranked]) -> list[Ranked]:
+    """The rows of a round that its records do not exclude."""
+    return [row for row, _ in undecided(ranked, probabilities([row.log_evidence for row in ranked]))]
 
 
 def _other_parts(standing: Fit, index: int) -> Iterator[float]:
@@ -93,11 +99,11 @@ def _other_parts(standing: Fit, index: int) -> Iterator[float]:
 
 def _held(session: Session, row: Ranked, where: float) -> Ranked | None:
     """The row's fit with its effect held at another place; None where the model leaves the finite numbers there."""
-    found, last = row.fit, len(row.fit.hypothesis.effects) - 1
-    (place,) = (u for u in found.unknowns if isinstance(u, PlaceUnknown) and u.effect == last)
+    found, index = row.fit, row.fit.hypothesis.effects.index(row.effect)
+    (place,) = (u for u in found.unknowns if isinstance(u, PlaceUnknown) and u.effect == index)
     moved = place.set(found.hypothesis, where / place.unit)
     unknowns = [unknown for unknown in found.unknowns if unknown is not place]
     try:
-        return Ranked.of(fit(session.fitting, moved, unknowns, precise=True))
+        return Ranked.of(fit(session.fitting, moved, unknowns, precise=True), index)
     except ArithmeticError:
         return None

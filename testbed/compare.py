@@ -9,7 +9,7 @@ from identification.assess import score, with_starts
 from identification.at_rest import PairedModes, paired_modes, predicted_frfs
 from identification.frf import estimate_frf
 from identification.hypothesis import Hypothesis
-from identification.prepare import Horizon, horizons, prepare
+from identification.prepare import LEAST_TORN, Horizon, horizons, prepare
 from identification.result import RecordScore, Score
 from identification.together import wholly_off
 from models.arrays import ComplexArray, FloatArray
@@ -116,7 +116,8 @@ def _in_time(hypothesis: Hypothesis, records: Sequence[Record], jobs: int, seed:
     found = score(evaluator, known)
     loud = {row.record.name: row for row in found.records if row.noise_nrmse > RATTLING}
     limits = horizons(evaluator, known) if loud else []
-    parted = [limit for limit in limits if limit.record in loud and limit.seconds < loud[limit.record].record.duration]
+    torn = [limit for limit in limits if limit.record in loud and limit.torn > LEAST_TORN]
+    parted = [limit for limit in torn if limit.seconds < loud[limit.record].record.duration]
     return found, (*wholly_off(found), *(_in_words(limit, loud[limit.record]) for limit in parted))
 
 
@@ -128,8 +129,8 @@ def _in_words(limit: Horizon, row: RecordScore) -> str:
     """That a record's noise is what the force's does to a motion that nobody can follow to its end."""
     return (
         f"{limit.record}: noise alone is {row.noise_nrmse:.2f} of the motion, since the noise of the force tears "
-        f"neighbouring motions of this model apart, by a factor of {limit.growth:.0e} over the record; it can be "
-        f"compared for its first {limit.seconds:.2g} s"
+        f"neighbouring motions of this model apart, by {limit.torn:.0%} of it; it can be compared for its first "
+        f"{limit.seconds:.2g} s"
     )
 
 

@@ -18,9 +18,9 @@ HALF_WIDTH = 6
 ROUNDS = 6
 """Of reweighting the equation error to that of the response."""
 
-NARROWEST, UNTOLD = 0.25, 1.0 / 3.0
-"""Half a resonance's width, in spacings of the lines, below which one line makes it, and relative deviation of its
-damping from which that is not told: impacts leave spikes in a best linear approximation that are no modes."""
+UNTOLD = 1.0 / 3.0
+"""Relative deviation of a resonance's damping from which that is not told: impacts leave spikes in a best linear
+approximation that are no modes."""
 
 MOST_MODES = 6
 
@@ -83,8 +83,7 @@ def _fitted(level: Level, peak: int) -> Resonance | None:
     freedom = max(1.0, values.size - 2.0 * len(values) - 1.0)
     # Of a complex number with this variance half lies in its real part; what one mode misses counts as noise.
     std = float(np.sqrt(0.5 * max(1.0, residual / freedom) / max(square, np.finfo(float).tiny)))
-    spacing = spread / (len(s) - 1)
-    if -pole.real < NARROWEST * spacing or std > UNTOLD * -pole.real:
+    if std > UNTOLD * -pole.real:
         return None
     size = abs(pole)
     return Resonance(size / (2.0 * np.pi), std / (2.0 * np.pi), -pole.real / size, std / size)

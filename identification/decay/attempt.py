@@ -129,7 +129,8 @@ def best_attempt(
             "name the modes with --mode, look at one band with --band, or begin later with --from",
         ) from error
     longest = min(signals.shape[1] for signals in decays) - LEAST_SAMPLES
-    for begin in (int(np.ceil(periods * fs / best.lowest)) for periods in LATER):
+    begins = [int(np.ceil(periods * fs / best.lowest)) for periods in LATER]
+    for begin in begins:
         if len(best.untold) < max(best.n_told, 1) or begin > longest:
             break
         progress(f"{len(best.untold)} modes cannot be followed; begun {begin / fs:.3g} s later")
@@ -143,7 +144,7 @@ def best_attempt(
             best = replace(trial, findings=(told, *trial.findings))
     if not best.n_told:
         raise InputError(
-            "; ".join(best.untold),
+            "; ".join(best.untold or best.findings),
             f"a mode is told that is followed over {LEAST_PERIODS:g} periods, or while it falls by 30 dB",
             "begin later with --from, look at one band with --band, strike more softly, or measure with less noise",
         )

@@ -38,20 +38,6 @@ def information_share(loss: float) -> float:
     return float(second - first**2 / energy)
 
 
-def ratio_bound(ratio: float, freq: float, noise_share: float, *, fs: float, seconds: float) -> float:
-    """Least standard deviation of a damping ratio as a share of it, from one channel of white noise.
-
-    Args:
-        ratio: damping ratio, small against 1.
-        freq: Hz.
-        noise_share: standard deviation of the noise over the amplitude at the first sample.
-        fs: Hz.
-        seconds: over which the mode is followed.
-    """
-    sigma = 2.0 * np.pi * freq * ratio
-    return float(4.0 * noise_share * np.sqrt(sigma / fs / information_share(sigma * seconds)))
-
-
 def long_enough(freq: float, sigma: float, seconds: float) -> bool:
     """Whether a mode was followed over its least periods, or until it had told most of what it can.
 
@@ -82,8 +68,8 @@ def why_untold(mode: SmoothedMode | None, poles: Poles, number: int, peaks: Floa
             f"{8.686 * mode.sigma * seconds:.0f} dB; {LEAST_PERIODS:g} periods or 30 dB are asked for"
         )
     if mode.turning.low.min() <= 0.0 or np.exp(mode.loudest) * np.max(np.abs(mode.blocks.shape) / peaks) > LOUDEST:
-        return "follows a course that no mode can have: it turns backwards, or is louder than the record"
+        return "follows a course that no mode can have: it may turn backwards, or is louder than the record"
     if poles.natural_freq_stds[number] > max(abs(ratio), SHARP) * freq:
         std = poles.natural_freq_stds[number]
-        return f"(damping {ratio:.1%}) is told to {std:.2g} Hz, which is more than its resonance is wide"
+        return f"(damping {ratio:.1%}) is told to {std:.2g} Hz, which is more than half its resonance's width"
     return None

@@ -35,6 +35,9 @@ IMPOSSIBLE = 1e-6
 AROUND_RIDGE = 0.3
 """Of the window's width in frequency: what a mode may move by before its ridge is followed and not one frequency."""
 
+OF_ITS_PEAK = 0.05
+"""Share by which a mode's frequency may differ from that of the peak that shows it."""
+
 HARDLY = 0.02
 """Np that a mode falls by over its decay at least, or it is told."""
 
@@ -196,9 +199,9 @@ def _denoised(
 
 def _cuts(spectrum: Modes, poles: Poles) -> FloatArray:
     """(n_modes - 1,) Hz, where the spectrum is lowest between the modes, or half way where they were named."""
-    if len(spectrum.peaks) == len(poles.values):
+    freqs, peaks = poles.natural_freqs, np.array([peak.frequency for peak in spectrum.peaks])
+    if len(peaks) == len(freqs) and np.all(np.abs(peaks / freqs - 1.0) < OF_ITS_PEAK):
         return cut_frequencies(spectrum.peaks, spectrum.spectrum)
-    freqs = poles.natural_freqs
     return np.asarray(0.5 * (freqs[1:] + freqs[:-1]))
 
 

@@ -291,12 +291,13 @@ def _told_apart(signals: FloatArray, fs: float, poles: Poles) -> tuple[Poles, li
     """The poles, the stronger of each two that errors or the decay's length do not tell apart, and those pairs."""
     one: list[tuple[float, float]] = []
     while len(poles.values) > 1:
-        freqs, gaps = poles.natural_freqs, np.diff(poles.natural_freqs)
-        errors = np.hypot(poles.natural_freq_stds[1:], poles.natural_freq_stds[:-1])
-        near = np.flatnonzero(gaps < np.maximum(SURE * errors, fs / signals.shape[1]))
+        order = np.argsort(poles.natural_freqs)  # poles are ordered by how fast they turn
+        freqs, stds = poles.natural_freqs, poles.natural_freq_stds[order]
+        errors = np.hypot(stds[1:], stds[:-1])
+        near = np.flatnonzero(np.diff(freqs[order]) < np.maximum(SURE * errors, fs / signals.shape[1]))
         if not len(near):
             break
-        pair = near[0] + np.arange(2)
+        pair = order[near[0] : near[0] + 2]
         weaker = pair[np.argmin(_explained(signals.shape, fs, poles)[pair])]
         one.append((float(freqs[pair[0]]), float(freqs[pair[1]])))
         poles = fit_poles(signals, fs, np.delete(poles.values, weaker))

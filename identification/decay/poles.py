@@ -26,7 +26,7 @@ MOST_GROWTH = 20.0
 """Np by which a mode may grow over the record while the search is under way."""
 
 UNEVEN = 1.5
-"""Factor of a variance from which noise is louder, or softer, while a mode rings by more than chance makes it."""
+"""Factor of a variance from which noise is louder while a mode rings by more than chance makes it."""
 
 ROUNDING = 1e-26
 """Share of a channel's energy that counts as noise at least, far below any recorder's."""
@@ -104,7 +104,8 @@ def waves_of(values: ComplexArray, n_samples: int, fs: float) -> ComplexArray:
 def fit_poles(signals: FloatArray, fs: float, start: Sequence[complex] | ComplexArray) -> Poles:
     """Fit damped sinusoids to a decay by maximum likelihood, each channel with white noise of its own.
 
-    The covariance is for noise that is as dense as it is about each mode and while the mode rings.
+    The covariance is for noise that is as dense as it is about each mode and while the mode rings, or as it is in the
+    mean where that is more.
 
     Args:
         signals: (n_channels, N).

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy.stats import chi2, norm
 
 from identification.decay.poles import Poles, fit_poles
 from models.arrays import FloatArray
@@ -68,7 +69,8 @@ def widened_by_decays(decays: Sequence[Poles]) -> list[Poles]:
     values = np.array([np.concatenate([poles.values.real, poles.values.imag]) for poles in decays])
     own = np.mean([np.diag(poles.covariance) for poles in decays], axis=0)
     spread = np.var(values, axis=0, ddof=1)
-    scatter = np.sqrt(np.where(spread > BEYOND**2 * own, spread - own, 0.0))
+    chance = chi2.isf(2.0 * norm.sf(BEYOND), len(decays) - 1) / (len(decays) - 1)
+    scatter = np.sqrt(np.where(spread > chance * own, spread - own, 0.0))
     return [_with_errors(poles, scatter) for poles in decays]
 
 

@@ -96,7 +96,7 @@ def headline(diagnosis: Diagnosis) -> str:
         own = "; what is left beyond it is the model's own error" if _more(last) else ""
         return f"These records show nothing missing: calibrated within its tolerances, {fall}, and {floor_is}{own}."
     return (
-        f"Something is missing that no effect of the library explains: the best model still errs by "
+        f"Something is missing, and no effect of the library is sure to be it: the best model still errs by "
         f"{percent(last.nrmse)} (as given {percent(first.nrmse)}), while {floor_is}."
     )
 

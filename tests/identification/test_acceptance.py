@@ -85,8 +85,8 @@ def test_what_neither_reaches_the_noise_nor_predicts_is_no_diagnosis(ratio, miss
 
     assert refuted(session, last, kept) == expected
 
-    told = f"unexplained: {MASS.label()} comes nearest, but leaves 1.30 times the noise where it was fitted, and what "
-    assert session.decisions == ([f"{told}was learnt does not hold on burst"] if expected else [])
+    told = f"unexplained after all: {MASS.label()} comes nearest, but leaves 1.30 times the noise where fitted, "
+    assert session.decisions == ([f"{told}and what was learnt does not hold on burst"] if expected else [])
 
 
 def test_the_error_is_told_where_it_is_not_what_the_lines_leave():

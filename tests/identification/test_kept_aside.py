@@ -39,7 +39,7 @@ def test_a_model_that_is_right_holds_and_nothing_is_missed():
 
     assert kept.missed == {}
     (told,) = decisions
-    assert told.startswith("on kept, kept aside, the updated model leaves ")
+    assert told.startswith("on kept, kept aside, the calibrated model leaves ")
     assert told.endswith("what was learnt holds there")
     assert kept.scores["updated"].nrmse < 0.3 * kept.scores["as given"].nrmse
 

@@ -36,6 +36,7 @@ def test_a_multisine_far_below_the_sampling_rate_repeats(noise):
 @pytest.mark.parametrize("noise", [0.04, 0.1])
 def test_a_multisine_whose_force_sensor_is_noisy_repeats(noise):
     assert find_period(with_noise(multisine(2000, 4, slice(10, 400)), noise)) == 2000
+    assert find_period(with_noise(multisine(500, 2.5, slice(5, 100)), noise)) == 500
 
 
 def test_what_changes_in_the_excited_band_does_not_repeat():

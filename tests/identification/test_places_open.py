@@ -48,7 +48,8 @@ def told():
 
 def test_where_a_place_is_hardly_told_others_explain_the_records_as_well(hardly_told):
     session, found = hardly_told
-    first, rival = Ranked.of(found), replace(Ranked.of(found), log_evidence=-4.0)
+    beaten = replace(Ranked.of(found), fit=replace(found, chi2=found.chi2 + 1000.0), log_evidence=-4.0)
+    first, rival = Ranked.of(found), beaten
 
     rows = in_parts(session, [first, rival], found, 0)
 
@@ -62,12 +63,32 @@ def test_where_a_place_is_hardly_told_others_explain_the_records_as_well(hardly_
     assert sum(chances[:-1]) == pytest.approx(probabilities([0.0, -4.0])[0])
 
 
-def test_no_member_lies_off_the_beam(hardly_told):
+def test_a_place_that_is_not_told_at_all_falls_into_thirds_of_the_beam(hardly_told):
+    """The one that was fitted, at 1.04 m, stands for the last third; at a sixth of the length the records say no."""
     session, found = hardly_told
 
-    rows = in_parts(session, [Ranked.of(found)], with_place_std(found, 3.0), 0)
+    rows = in_parts(session, [Ranked.of(found)], with_place_std(found, 30.0), 0)
 
-    assert all(0.0 < row.effect.place.position <= REFERENCE.structure.length for row in rows)
+    thirds = [row.effect.place.position / REFERENCE.structure.length for row in rows]
+    assert thirds[1:] == pytest.approx([1.0 / 6.0, 0.5][-len(thirds[1:]) :], abs=0.01)
+
+
+def test_beside_another_effect_that_is_not_excluded_the_place_stays_one(hardly_told):
+    session, found = hardly_told
+    ranked = [Ranked.of(found), replace(Ranked.of(found), log_evidence=-1.0)]
+    assert in_parts(session, ranked, found, 0) == ranked
+
+
+def test_of_two_effects_that_in_question_is_moved(hardly_told):
+    session, found = hardly_told
+    both = found_with(session, found.hypothesis.effects[0], SensorGain(Place(sensor="P4"), gain=1.0))
+    row = Ranked.of(both, 0)
+
+    rows = in_parts(session, [row], with_place_std(both, 0.25), 0)
+
+    assert len(rows) > 1
+    assert {each.effect.kind for each in rows} == {"point_mass"}
+    assert len({each.effect.place.position for each in rows}) == len(rows)
 
 
 def test_what_the_records_exclude_is_no_member(told):

@@ -193,7 +193,7 @@ def test_tables_scroll_by_themselves_on_a_narrow_screen(rig, diagnosis, tmp_path
 def test_an_unexplained_rig_says_where_the_force_acts(rig, diagnosis, tmp_path):
     page = page_of(unexplained(diagnosis), rig, tmp_path)
 
-    assert "no effect of the library explains" in page.text
+    assert "no effect of the library is sure to be it" in page.text
     assert "The unexplained force is largest at sleeve 2" in page.text
 
 

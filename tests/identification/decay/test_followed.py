@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from identification.decay.followed import information_share, long_enough, ratio_bound, why_untold
+from identification.decay.followed import information_share, long_enough, why_untold
 from identification.decay.poles import Poles, pole_covariance
 
 FS = 4096.0
@@ -35,7 +35,9 @@ def test_the_bound_in_closed_form_is_that_of_the_poles(seconds):
     covariance = pole_covariance(values, shapes, np.array([noise]), FS, round(seconds * FS))
     exact = Poles(values, shapes, covariance, np.array([noise])).damping_ratio_stds[0] / ratio
     # sums over samples against integrals, and what the two conjugates share: some percent at three periods
-    assert ratio_bound(ratio, freq, noise, fs=FS, seconds=seconds) == pytest.approx(exact, rel=0.08)
+    sigma = 2.0 * np.pi * freq * ratio
+    bound = 4.0 * noise * np.sqrt(sigma / FS / information_share(sigma * seconds))
+    assert bound == pytest.approx(exact, rel=0.08)
 
 
 @pytest.mark.parametrize(

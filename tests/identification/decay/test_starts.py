@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from decay_scenes import noisy, ringing
@@ -50,3 +52,13 @@ def test_decays_that_scatter_beyond_their_intervals_are_told_with_the_scatter():
     agreeing = [fitted(noisy(ringing(POLES, SHAPES, FS, N), 60.0, seed)) for seed in range(2)]
     for poles, own in zip(widened_by_decays(agreeing), agreeing, strict=True):
         assert poles.covariance == pytest.approx(own.covariance)
+
+
+def test_of_ten_decays_less_scatter_is_beyond_chance_than_of_two():
+    """Frequencies that scatter by 2.5 times what they should: two blows may, ten do not."""
+    (own, *_) = agreeing = [fitted(noisy(ringing(POLES, SHAPES, FS, N), 60.0, seed)) for seed in range(10)]
+    std = np.sqrt(np.diag(own.covariance))[len(POLES) :]
+    sides = 2.5 * (-1.0) ** np.arange(10)
+    strayed = [replace(own, values=own.values + 1j * side * std) for side in sides]
+    assert np.diag(widened_by_decays(strayed)[0].covariance)[len(POLES)] > 4.0 * std[0] ** 2
+    assert widened_by_decays(agreeing)[0].covariance == pytest.approx(own.covariance)
