@@ -297,14 +297,16 @@ def verdict_of(session: Session, calibrated: Fit, final: Fit, *, taken_out: bool
 
 
 def refuted(session: Session, last: Fit, kept: KeptAside) -> bool:
-    """Whether a model neither reaches the noise of what it learnt from nor predicts what was kept aside: no diagnosis.
+    """Whether a model comes near the noise but neither reaches it nor predicts what was kept aside.
+
+    That is no diagnosis. Far from the noise, as on real structures, all models miss, and the best predicts badly too.
 
     Args:
         session: told.
         last: the model that stands, fitted to all records.
         kept: what it is worth on records kept aside.
     """
-    if last.ratio <= NOISE_REACHED or not kept.missed:
+    if not NOISE_REACHED < last.ratio <= NOISE_NEAR or not kept.missed:
         return False
     names = " and ".join(effect.label() for effect in last.hypothesis.effects)
     session.decide(

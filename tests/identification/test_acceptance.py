@@ -78,7 +78,9 @@ def test_an_effect_is_named_where_little_is_left_of_the_misfit(calibrated, final
     assert called(calibrated, final)[0] == verdict
 
 
-@pytest.mark.parametrize(("ratio", "missed", "expected"), [(1.3, True, True), (1.1, True, False), (1.3, False, False)])
+@pytest.mark.parametrize(
+    ("ratio", "missed", "expected"), [(1.3, True, True), (1.1, True, False), (1.3, False, False), (4.0, True, False)]
+)
 def test_what_neither_reaches_the_noise_nor_predicts_is_no_diagnosis(ratio, missed, expected):
     session, last = Listener(), fit_with_ratio(ratio, effect=True)
     kept = KeptAside({}, {"burst": "what was learnt does not hold there"} if missed else {})

@@ -82,7 +82,7 @@ def test_an_effect_without_numbers_has_a_row_in_the_diagnosis(capsys):
         (["squeeze_film", "--sleeve", "sleeve 3"], 'the rig\'s sleeves are "sleeve 1", "sleeve 2"'),
         (["squeeze_film", "--sleeve", "sleeve 2", "--against", "ground"], "squeeze_film has damping"),
         (["point_mass", "--position", "-1"], "new effect.position = -1.0 m; an effect's position is above 0; measure"),
-        (["sensor_gain"], "sensor_gain with no place; sensor_gain takes one sensor; give sensor"),
+        (["sensor_gain"], "sensor_gain without a place; it sits at one sensor; give --sensor NAME: P1, P2, P3"),
     ],
 )  # fmt: skip
 def test_an_effect_that_does_not_fit_is_told(arguments, message, capsys):
