@@ -3,8 +3,8 @@
 An effect whose size changes beyond all bounds when one mode or one record is left out is no finding: that mode or
 record has something of its own, and the effect was bent to it. Nor is a law of several numbers of which none is known:
 what its numbers do together is known then, as that of a simpler law to which it comes near, or of one that it imitates.
-Nor is what may sit anywhere along the beam: one mode tells how much of it there is, by its size times the square of the
-shape, and any other kind says the same there.
+Nor, beside another effect, is what may sit anywhere along the beam: one mode tells how much of it there is, by its size
+times the square of the shape, and any other kind says the same there. Alone it is what there is, at places to be told.
 """
 
 from collections.abc import Collection
@@ -61,7 +61,7 @@ def unestablished(found: Fit, *, in_motion: bool = True, needed: Collection[int]
         deviations = max(_deviations(found, unknown, alone[i]) for i, unknown in sized.items())
         if deviations < LEAST_DEVIATIONS and index not in needed:
             return index, NO_SIZE
-        if any(_is_anywhere(found.unknowns[i], stds[i]) for i in own):
+        if len(found.hypothesis.effects) > 1 and any(_is_anywhere(found.unknowns[i], stds[i]) for i in own):
             return index, NO_PLACE
         if in_motion and effect.n_numbers > 1 and min(by_noise[i] for i in numbers) > TOLD:
             return index, NO_LAW

@@ -8,6 +8,7 @@ import pytest
 from trial_records import REFERENCE, fit_of
 
 from identification.established import NO_LAW, NO_PLACE, NO_SIZE, NOWHERE, TOLD, unestablished
+from identification.hypothesis import effect_unknowns
 from models.effects import Place
 from models.effects.clamp_compliance import ClampCompliance
 from models.effects.coulomb_friction import CoulombFriction
@@ -92,11 +93,14 @@ def test_a_law_of_one_number_is_established_by_its_size_alone():
     assert unestablished(with_log_std(PointMass(AT, 0.05), log(2.0) / spread)) is None
 
 
-def test_what_may_sit_anywhere_along_the_beam_has_no_place():
-    mass = fit_of(PointMass(AT, 0.05), 1000.0, places=True)
+def test_beside_another_effect_what_may_sit_anywhere_along_the_beam_has_no_place():
+    alone = fit_of(PointMass(AT, 0.05), 1000.0, places=True)
+    model = replace(alone.hypothesis, effects=(PointMass(AT, 0.05), ClampCompliance(Place(), 1e5)))
+    both = replace(alone, hypothesis=model, unknowns=effect_unknowns(model))
     for share, why in ((0.9, None), (1.1, (0, NO_PLACE))):
-        std = share * NOWHERE * LENGTH / mass.unknowns[-1].unit
-        assert unestablished(replace(mass, covariance=np.diag([1e-4, std**2]))) == why
+        std = share * NOWHERE * LENGTH / alone.unknowns[-1].unit
+        assert unestablished(replace(alone, covariance=np.diag([1e-4, std**2]))) is None
+        assert unestablished(replace(both, covariance=np.diag([1e-4, std**2, 1e-4]))) == why
 
 
 def test_another_law_in_a_contact_has_no_size():
