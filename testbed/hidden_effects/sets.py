@@ -228,7 +228,7 @@ REPORTED = CaseSet(
             run="Ended by hand after 54 cases, to mend what its pairs had shown, while two were at work; these were "
             "run to their ends by the same diagnosis. Two of its misses had been looked into by then.",
         ),
-        25643: Batch("4003658"),
+        25643: Batch("7e565bb"),
     },
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),
