@@ -4,6 +4,7 @@ import numpy as np
 from scipy.signal import welch
 
 from models.arrays import FloatArray
+from models.band_limit import PASS_EDGE
 from models.errors import InputError
 
 TOLERANCE = 0.03
@@ -12,9 +13,6 @@ TOLERANCE = 0.03
 NOISY, FLAT = 0.2, 2.0
 """The same where what does not repeat is noise, on all frequencies alike: up to so many times as dense in the excited
 band as beside it. A light structure takes little force, and its sensor's noise does not shrink with it."""
-
-RECORDED = 0.37
-"""Share of the sampling rate up to which a recorder lets noise pass."""
 
 TRANSIENT_FLOOR = 1e-3
 """A period that differs from the last by less than this share of the rms counts as steady."""
@@ -88,8 +86,9 @@ def _shortest_match(signal: FloatArray) -> int | None:
     if apart.size == 0:
         return None
     start = int(apart[0])
-    best = float(mismatch[start:].min())
-    if best > NOISY or (best > TOLERANCE and not _differs_by_noise(signal, start + int(np.argmin(mismatch[start:])))):
+    nearest = start + int(np.argmin(mismatch[start:]))
+    best = float(mismatch[nearest])
+    if best > NOISY or (best > TOLERANCE and not _differs_by_noise(signal, nearest)):
         return None
     # Shorter lags that match almost as well as the best are true periods; much worse ones are only similar.
     matching = start + np.flatnonzero(mismatch[start:] <= max(1.5 * best, 1e-6))
@@ -102,7 +101,7 @@ def _differs_by_noise(signal: FloatArray, period: int) -> bool:
     segment = min(signal.size - period, SEGMENT)
     _, density = welch(signal, nperseg=segment)
     frequency, difference = welch(signal[period:] - signal[:-period], nperseg=segment)
-    recorded = (frequency > 0.0) & (frequency < RECORDED)
+    recorded = (frequency > 0.0) & (frequency < PASS_EDGE)  # where a recorder lets noise pass
     density, difference = density[recorded], difference[recorded]
     excited = density > 2.0 * difference  # a difference has twice the noise
     if not excited.any() or excited.all():
