@@ -258,7 +258,9 @@ def _finer(session: Session, result: Fit, index: int) -> Iterator[Ranked]:
         yield Ranked.of(found, index)
 
 
-def verdict_of(session: Session, calibrated: Fit, final: Fit, *, taken_out: bool = False) -> Verdict:
+def verdict_of(
+    session: Session, calibrated: Fit, final: Fit, *, taken_out: bool = False, looked: bool = True
+) -> Verdict:
     """What the end is called, decided and told.
 
     Args:
@@ -266,6 +268,7 @@ def verdict_of(session: Session, calibrated: Fit, final: Fit, *, taken_out: bool
         calibrated: the model without effects.
         final: with all that were added.
         taken_out: whether an effect that explained something was taken out again, because its numbers are not told.
+        looked: whether any effect was asked for.
     """
     has_effects = bool(final.hypothesis.effects)
     share = takes_away(calibrated, final) if has_effects else 0.0
@@ -292,6 +295,8 @@ def verdict_of(session: Session, calibrated: Fit, final: Fit, *, taken_out: bool
         else "unexplained: what would explain it is not established"
         if taken_out
         else "unexplained: nothing in the library explains what is left"
+        if looked
+        else f"unexplained: the calibrated model leaves {final.ratio:.2f} times the noise, and no effect was asked for"
     )
     return "unexplained"
 

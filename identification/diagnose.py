@@ -41,6 +41,7 @@ from identification.rounds import look_round, told_apart, with_other_starts
 from identification.session import Session
 from identification.sight import beginnings_of, explained_beginning, refitted_from, shorten
 from identification.together import wholly_off
+from identification.unstrained import unstrained
 from models.effects import EFFECTS, Registry
 from models.record import AnyRecord
 from models.rig import Rig
@@ -145,7 +146,9 @@ def _calibrated(session: Session, started: Hypothesis) -> Fit:
         if first is not None:
             base = _better(session, base, first)
         base = relearn(session, session.resolve(base))
-        if base.ratio <= NOISE_REACHED or first is None or not shorten(session, [first]):
+        if base.ratio <= NOISE_REACHED:
+            return unstrained(session.fitting, base)
+        if first is None or not shorten(session, [first]):
             return base
 
 
@@ -231,10 +234,10 @@ def _ended(
     with its round; a law or a place gives way to a simpler law of its round first, where that explains as much. The
     last round stays where it is needed to show what was weighed.
     """
-    taken_out = False
+    taken_out, looked = False, bool(rounds)
     final, weighed, asked = chain[-1], rounds[:1], [set[str]() for _ in rounds]
     while True:
-        verdict = verdict_of(session, chain[0], final, taken_out=taken_out)
+        verdict = verdict_of(session, chain[0], final, taken_out=taken_out, looked=looked)
         final = final if verdict == "missing_effect" else chain[0]
         last = settled(session, final)
         doubted = in_doubt(session, chain[0], final, last)

@@ -128,9 +128,10 @@ def _simpler_rows(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], regis
 
 
 def _is_simpler(kind: type[Effect], leader: Effect) -> bool:
-    """Whether a kind that acts by itself has fewer numbers for a fit."""
+    """Whether a kind that acts by itself has fewer numbers for a fit; a law in time has as many as its table."""
     alone = kind.part_kind() == kind.kind
-    return alone and sum(about.fitted for about in kind.parameters().values()) < leader.n_numbers
+    most = len(leader.fitted_values()) if leader.family == "time" else leader.n_numbers
+    return alone and sum(about.fitted for about in kind.parameters().values()) < most
 
 
 def _of_the_sleeve(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], registry: Registry) -> list[Ranked]:

@@ -50,10 +50,12 @@ class Sketch:
     Attributes:
         base: the model without the suspect on the same part.
         fit: with it.
+        begun: the suspect where its fit began.
     """
 
     base: Fit
     fit: Fit
+    begun: Effect
 
     @property
     def effect(self) -> Effect:
@@ -91,9 +93,12 @@ def heats(
     sketches: list[Sketch] = []
     noise_reached = False
     first = beginning(evaluator, *schedule[0][:2])
-    for share, seconds, most in schedule:
+    for number, (share, seconds, most) in enumerate(schedule):
         ground = ground_of(beginning(evaluator, share, seconds), start, base)
-        sketches = apart(sketched(ground, starts, near=near, own_slopes=noise_reached))
+        sketches = sketched(ground, starts, near=near, own_slopes=noise_reached)
+        if number == 0 and not any(sketch.fit.ratio < REACHED for sketch in sketches):
+            sketches = grown_from_bare(ground, sketches)
+        sketches = apart(sketches)
         # Beside numbers that are nearly right the shortest part tells who is worth a sketch on more.
         others = [] if noise_reached else rivals(first, base, sketches, registry)[:MOST_RIVALS]
         sketches = apart(by_share([*sketches, *sketched(ground, others, near=near)]))[:most]
@@ -242,9 +247,38 @@ def sketched(
         else:
             alone = _tried(evaluator, suspect, own, ITERATIONS_ALONE)
             found = alone and _tried(evaluator, alone.hypothesis, unknowns, ITERATIONS, ground.slopes)
-        return Sketch(ground.bare, found) if found else None
+        return Sketch(ground.bare, found, suspect.effects[-1]) if found else None
 
     return by_share([sketch for sketch in in_parallel(ground.evaluator.jobs, one, suspects) if sketch])
+
+
+def grown_from_bare(ground: Ground, sketches: Sequence[Sketch]) -> list[Sketch]:
+    """The sketches, best first, those that are farther off than the model without a suspect begun again from that.
+
+    Of no size a suspect is as near as that model; a fit that ends farther off was lost on its way, with slopes from
+    where it began. So it begins small beside the numbers that fit best without it, and forms its own.
+
+    Args:
+        ground: that they were fitted on.
+        sketches: of the suspects.
+    """
+    evaluator, bare = ground.evaluator.with_jobs(1), ground.bare
+
+    def again(sketch: Sketch) -> Sketch:
+        if sketch.fit.cost <= bare.cost:
+            return sketch
+        small = [tried_with(evaluator, bare.hypothesis, sketch.begun.scaled(factor)) for factor in SMALL]
+        rows = evaluator.residuals([(start, None) for start in small])
+        left = [inf if row is None else float(row @ row) for row in rows]
+        start = small[left.index(min(left))] if min(left) < sketch.fit.chi2 else sketch.fit.hypothesis
+        found = _tried(evaluator, start, sketch.fit.unknowns, ITERATIONS_FOLLOWED)
+        return replace(sketch, fit=found) if found and found.cost < sketch.fit.cost else sketch
+
+    return by_share(in_parallel(ground.evaluator.jobs, again, sketches))
+
+
+SMALL = (1.0, 0.1, 0.01)
+"""Shares of a suspect's size of which the one that leaves least is begun again with."""
 
 
 def sketched_from_calibrated(
@@ -301,7 +335,8 @@ def _together(
     """The best sketch from some starts of one suspect, with all unknowns at once; None where all diverge."""
     unknowns = (*there.unknowns, *own_unknowns(starts[0]))
     fits = [found for start in starts if (found := _tried(evaluator, start, unknowns, iterations, slopes))]
-    return Sketch(there, min(fits, key=lambda found: found.cost)) if fits else None
+    best = min(fits, key=lambda found: found.cost, default=None)
+    return Sketch(there, best, starts[0].effects[-1]) if best else None
 
 
 def _best_size(evaluator: Evaluator, model: Hypothesis, projection: Projection, sizes: Sequence[Effect]) -> Hypothesis:

@@ -8,6 +8,7 @@ the owner says as it is.
 
 import numpy as np
 
+from identification.calibrate import PULLED_SIGMA
 from identification.evaluate import Evaluator
 from identification.evidence import misfit_of
 from identification.fit import Fit, fit
@@ -24,13 +25,14 @@ def unstrained(evaluator: Evaluator, found: Fit) -> Fit:
 
     Args:
         evaluator: records that were fitted.
-        found: with effects.
+        found: at its minimum; without effects only numbers that something seems to have pulled are tried elsewhere.
     """
     x = coordinates(found.hypothesis, found.unknowns)
-    several = any(effect.n_numbers > 1 for effect in found.hypothesis.effects)
-    least = FAR_BESIDE_LAW if several else FAR
+    effects = found.hypothesis.effects
+    several = any(effect.n_numbers > 1 for effect in effects)
+    least = FAR_BESIDE_LAW if several else FAR if effects else PULLED_SIGMA
     far = [i for i, unknown in enumerate(found.unknowns) if isinstance(unknown, RigUnknown) and abs(x[i]) > least]
-    if not far or not found.hypothesis.effects:
+    if not far:
         return found
     together = found.covariance[:, far] @ np.linalg.solve(found.covariance[np.ix_(far, far)], -x[far])
     try:

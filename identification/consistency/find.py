@@ -20,8 +20,8 @@ from identification.consistency.modes import ModeBands, clearly_larger, missed_m
 from identification.consistency.noise_seen import Scatter
 from identification.consistency.own_values import Groups, OwnValues, Parts
 from identification.evaluate import Evaluator, TimeTarget
-from identification.evidence import unit_of
-from identification.fit import Fit, prior_of
+from identification.evidence import misfit_of, unit_of
+from identification.fit import Fit, inverse_of, prior_of
 from identification.hypothesis import LARGEST_SIGMA, RigUnknown, coordinates
 from identification.intervals import finer
 from identification.rest_target import ModesTarget
@@ -154,19 +154,21 @@ class _Far:
 
 
 def _beyond(scatter: Scatter, found: Fit, rig: Mapping[int, RigUnknown]) -> dict[int, _Far]:
-    """Numbers further from the rig file than one of so many true ones, and than the force's noise moves them."""
+    """Numbers further from the rig file than one of so many true ones, and than the force's noise moves them.
+
+    Held against what the owner says, the records speak in the unit of the model's own error: a number that they hardly
+    tell goes as far as it can for a millionth of what is left.
+    """
     x = coordinates(found.hypothesis, found.unknowns)
     least = min(least_sigma(0.5 * FALSE_ALARM, len(rig)), STRAINED_SHARE * LARGEST_SIGMA)
     far = [i for i in rig if abs(x[i]) > least]
     if not far:
         return {}
-    prior = prior_of(found.unknowns)
-    unheld = x - found.covariance @ (found.jacobian @ found.residual + prior * x)
+    prior, unit = prior_of(found.unknowns), misfit_of(found)
+    told = inverse_of(found.jacobian @ found.jacobian.T / unit + np.diag(prior))
+    unheld = x - told @ (found.jacobian @ found.residual / unit + prior * x)
     moved = scatter.moved(found)
-    seen = {
-        i: _Far(max(abs(float(x[i])), abs(float(unheld[i]))) / float(np.hypot(1.0, moved[i])), float(moved[i]))
-        for i in far
-    }
+    seen = {i: _Far(abs(float(unheld[i])) / float(np.hypot(1.0, moved[i])), float(moved[i])) for i in far}
     return {i: each for i, each in seen.items() if each.sigma > least}
 
 

@@ -68,7 +68,7 @@ class WeightResult:
         force, std: of the friction, N.
         given, linear, updated: rms error on the second half, mm: as given, calibrated linear, and with what was found.
         loose: stiffness, N/m, of a linear model whose tolerances were taken away, and its rms error, mm.
-        unheld: diagnosis of the same half with those tolerances, asked for one effect.
+        unheld: diagnosis of the same half that is given the loose model and may add nothing: is it complete?
         fs: Hz.
         measured, predicted: (N,) mm, the second half.
     """
@@ -116,7 +116,7 @@ class FrictionFrame:
             f"Its stiffness is {off}; a diagnosis moves no number of the rig by more than {LARGEST_SIGMA:g}.",
             f"It is another one at each weight, although the frame is the same: {each} N/m.",
             f"On the half kept aside it leaves {more}.",
-            f"A diagnosis that is free to take it does not call it complete: {verdicts}.",
+            f"A diagnosis that is given it, and may move it as far as it likes, does not call it complete: {verdicts}.",
         )
 
     @property
@@ -218,7 +218,7 @@ def _result_of(test: Halves, seed: int) -> WeightResult:
             break
     calibrated = found.calibrated
     loose = _loose(test.first)
-    unheld = diagnose(LOOSE_FRAME, [test.first], seed=seed, jobs=1, most_effects=1)
+    unheld = diagnose(loose.updated_rig, [test.first], seed=seed, jobs=1, most_effects=0)
     stages = (Hypothesis(FRAME), calibrated.hypothesis, found.final.hypothesis, loose)
     left = [_predicted(hypothesis, test.second) for hypothesis in stages]
     measured = 1e3 * test.second.responses[0]

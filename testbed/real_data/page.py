@@ -144,7 +144,7 @@ def frame_page(study: FrictionFrame, command: str) -> str:
             yield ""
             yield from _decided(r.diagnosis.decisions)
             yield ""
-            yield from _decided(r.unheld.decisions, "Free to take any stiffness, and asked for one effect:")
+            yield from _decided(r.unheld.decisions, "Given the model without tolerances, asked whether it is complete:")
 
     picture = "![Friction against weight](figures/friction_frame.png)"
     return _page("The friction frame", command, study.bars, picture, rest())

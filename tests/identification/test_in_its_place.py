@@ -13,10 +13,12 @@ from models.effects.absorber import Absorber
 from models.effects.bouc_wen import BoucWen
 from models.effects.coulomb_friction import CoulombFriction
 from models.effects.hertz_contact import HertzContact
+from models.effects.hunt_crossley import HuntCrossley
 from models.effects.point_damping import PointDamping
 from models.effects.point_mass import PointMass
 from models.effects.sensor_gain import SensorGain
 from models.effects.squeeze_film import SqueezeFilm
+from models.effects.time_varying_damping import TimeVaryingDamping
 
 SLEEVE = REFERENCE.sleeves[1]
 IN_SLEEVE = Place(sleeve=SLEEVE.name, position=SLEEVE.position)
@@ -58,6 +60,18 @@ def test_hysteresis_that_yields_at_once_is_friction_and_at_a_sleeve_the_sleeves_
     assert rows[0].effect.friction_force == pytest.approx(0.3, rel=0.05)
     assert rows[0].fit.ratio < found.ratio
     assert [row.effect.kind for row in rows].count("coulomb_friction") == 1
+
+
+def test_a_law_that_may_vary_in_time_gives_way_to_a_constant_one():
+    """Both have one number to fit, but of one it is a table."""
+    session = beam_session(HuntCrossley(IN_SLEEVE, dissipation=1.0))
+    table = TimeVaryingDamping(IN_SLEEVE, times=(0.0, 1.0, 2.0), values=(5.0, 5.0, 5.0))
+
+    found, rows = rows_after(session, table, "hunt_crossley", "time_varying_damping")
+
+    assert rows[0].effect.kind == "hunt_crossley"
+    assert rows[0].effect.dissipation == pytest.approx(1.0, rel=0.2)
+    assert rows[0].fit.ratio <= found.ratio
 
 
 def test_on_an_oscillator_the_simpler_law_is_tried_too():

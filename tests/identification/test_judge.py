@@ -30,7 +30,7 @@ BASE = fit_of(MASS, 1000.0)
 
 
 def sketch(effect, share):
-    return Sketch(BASE, fit_of(effect, 1000.0 * (1.0 - share)))
+    return Sketch(BASE, fit_of(effect, 1000.0 * (1.0 - share)), effect)
 
 
 def kinds(sketches):
@@ -181,7 +181,7 @@ def test_kinds_in_time_are_looked_at_where_no_other_reaches_the_noise(monkeypatc
 
     def beside(view, base, progress):
         asked.append(view.is_lasting)
-        return [Sketch(far, fit_of(MASS, 1000.0 * left**2))]
+        return [Sketch(far, fit_of(MASS, 1000.0 * left**2), MASS)]
 
     def settled(sketches, fitting, base, registry, progress, known):
         return [] if known else [Ranked(MASS, fit_of(MASS, 1000.0 * refitted**2), refitted=True, log_evidence=0.0)]

@@ -1,11 +1,13 @@
 """The heats: a suspect far from its size and place is brought to both, and its rivals are seen from its numbers."""
 
+from dataclasses import replace
+
 import pytest
 from trial_records import REFERENCE, evaluator_of, fit_of, measured, moved, multisine
 
 from identification.fit import fit
-from identification.hypothesis import Hypothesis, rig_unknowns
-from identification.sketch import Sketch, apart, ground_of, heats, rivals, sketched
+from identification.hypothesis import Hypothesis, own_unknowns, rig_unknowns
+from identification.sketch import Sketch, apart, ground_of, grown_from_bare, heats, rivals, sketched
 from models.effects import EFFECTS, Place
 from models.effects.point_damping import PointDamping
 from models.effects.point_mass import PointMass
@@ -19,7 +21,7 @@ REGISTRY = {kind: EFFECTS[kind] for kind in NEAR}
 
 
 def sketch(effect, share=0.5):
-    return Sketch(fit_of(effect, 1000.0), fit_of(effect, 1000.0 * (1.0 - share)))
+    return Sketch(fit_of(effect, 1000.0), fit_of(effect, 1000.0 * (1.0 - share)), effect)
 
 
 @pytest.fixture(scope="module")
@@ -39,6 +41,23 @@ def test_the_truth_is_fitted_from_half_its_size(greased):
 
     assert found.fit.ratio < 0.1 * found.base.ratio
     assert found.effect.damping == pytest.approx(GREASE.damping, rel=0.1)
+
+
+def test_a_suspect_that_was_lost_on_its_way_is_begun_again_beside_the_numbers_that_fit_without_it(greased):
+    evaluator, base = greased
+    ground = ground_of(evaluator, Hypothesis(REFERENCE), base)
+    far = Hypothesis(REFERENCE, effects=(GREASE.scaled(50.0),))
+    unknowns = (*ground.bare.unknowns, *own_unknowns(far))
+    lost = Sketch(ground.bare, fit(evaluator, far, unknowns, max_iterations=0), far.effects[-1])
+    near = Sketch(ground.bare, replace(ground.bare, chi2=0.5 * ground.bare.chi2), DASHPOT)
+    assert lost.fit.ratio > ground.bare.ratio
+
+    again, *others = grown_from_bare(ground, [near, lost])
+
+    assert again.begun == lost.begun
+    assert again.fit.ratio < 0.1 * ground.bare.ratio
+    assert again.effect.damping == pytest.approx(GREASE.damping, rel=0.1)
+    assert others == [near]
 
 
 def test_the_rivals_of_a_dashpot_near_a_sleeve_are_the_films_in_it(greased):

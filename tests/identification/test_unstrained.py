@@ -69,12 +69,21 @@ def test_what_the_records_hold_there_stays(fitted):
     assert unstrained(None, far) is far
 
 
-def test_a_calibration_without_effects_is_left_as_it_is(fitted):
-    begun = fitted(0.0)
-    bare = found(-3.0)
-    bare = replace(bare, hypothesis=replace(bare.hypothesis, effects=()))
-    assert unstrained(None, replace(bare, unknowns=UNKNOWNS[:LAST], covariance=np.eye(LAST))) is not None
-    assert begun == []
+@pytest.mark.parametrize(("far", "tried"), [(-2.9, 0), (-3.1, 1)])
+def test_of_a_calibration_without_effects_only_what_was_pulled_is_tried_elsewhere(fitted, far, tried):
+    begun = fitted(N)
+    whole = found(far)
+    bare = replace(
+        whole,
+        hypothesis=replace(whole.hypothesis, effects=()),
+        unknowns=UNKNOWNS[:LAST],
+        covariance=whole.covariance[:LAST, :LAST],
+    )
+
+    back = unstrained(None, bare)
+
+    assert len(begun) == tried
+    assert (back is bare) == (tried == 0)
 
 
 def test_it_is_told_where_each_far_number_is_now():

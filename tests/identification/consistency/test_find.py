@@ -113,6 +113,21 @@ def test_a_number_has_left_its_tolerance_beyond_what_the_forces_noise_explains(m
     assert ("stiffness" in {unknown.parameter.path for unknown in out}) == has_left
 
 
+@pytest.mark.parametrize(("information", "has_left"), [(5.0, False), (5e4, True)])
+def test_what_the_records_hardly_tell_has_not_left_its_tolerance(monkeypatch, information, has_left):
+    """A clearance whose other wall is not touched went to the end of its tolerance for 1e-5 of what was left."""
+    truth = Hypothesis(RIG.with_values({"stiffness": STIFFNESS * np.exp(6 * 0.03)}))
+    evaluator, given = evaluator_of(*records_of(truth, 3.0, 10.0)), Hypothesis(RIG)
+    found = calibrate(evaluator, given, unknowns_of(given, evaluator))
+    told = np.sum(found.jacobian**2, axis=1)
+    faint = found.jacobian * np.sqrt(information / told)[:, None]
+    monkeypatch.setattr(Scatter, "moved", lambda self, fit: np.zeros(len(fit.unknowns)))
+
+    out = pushed_out(evaluator, replace(found, jacobian=faint), np.random.default_rng(0))
+
+    assert ("stiffness" in {unknown.parameter.path for unknown in out}) == has_left
+
+
 def test_a_record_from_another_set_up_is_named_without_a_level():
     pairs = records_of(Hypothesis(RIG), 10.0, 10.0)
     pairs += [measured(moved(RIG, 0.0, 0.3, 0.0), multisine(1024, rms=10.0, seed=9), seed=9, name="odd")]
