@@ -127,7 +127,7 @@ def diagnose(
     chain[-1], rounds = fallen_apart(chain[-1], rounds)
     verdict, final, last = _ended(session, chain, rounds, stages)
     kept = kept_aside(session, given, last.hypothesis, holdout)
-    if verdict == "missing_effect" and refuted(session, last, kept):
+    if verdict == "missing_effect" and refuted(session, chain[0], final, last, kept):
         verdict, final = "unexplained", chain[0]
         last = settled(session, final)
         calibrated = kept_aside(session, given, last.hypothesis, holdout)
