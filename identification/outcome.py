@@ -1,13 +1,13 @@
 """From fits to what a person reads: candidates, intervals, groups that cannot be told apart."""
 
 from collections.abc import Sequence
-from math import exp, inf, isfinite, log, sqrt
+from math import exp, hypot, inf, isfinite, log, sqrt
 
 from identification.evaluate import Evaluator
 from identification.evidence import Ranked, misfit_in_common, probabilities
 from identification.fit import Fit
 from identification.hypothesis import EffectUnknown, PlaceUnknown, RigUnknown
-from identification.reached import NOISE_REACHED
+from identification.reached import LINEAR_APART, NOISE_REACHED
 from identification.result import AddedEffect, Candidate, Estimate, Score
 from identification.scene import is_same_place
 from models.effects import Effect
@@ -29,6 +29,12 @@ LARGEST_LOG_STD = 3.0
 """A standard deviation of more e-folds than this is reported as this: the number is not known at all."""
 
 
+KNOWN_TO, PLACE_KNOWN_TO = LINEAR_APART, 1e-4
+"""What no number is told closer than, as a share of itself, and no place, as a share of the length: two ways to compute
+the same rig are as far apart, and noise, however little is left of it over all samples of a record, says nothing of
+that."""
+
+
 def rig_estimates(result: Fit) -> tuple[Estimate, ...]:
     """Calibrated numbers of the rig with standard deviations, none wider than what its owner knew beforehand."""
     rows: list[Estimate] = []
@@ -36,7 +42,8 @@ def rig_estimates(result: Fit) -> tuple[Estimate, ...]:
         if isinstance(unknown, RigUnknown):
             about = unknown.parameter
             value = result.hypothesis.values.get(about.path, about.value)
-            rows.append(Estimate(about.path, value, min(float(std), 1.0) * about.tolerance * value, about.unit))
+            share = min(hypot(float(std) * about.tolerance, KNOWN_TO), about.tolerance)
+            rows.append(Estimate(about.path, value, share * value, about.unit))
     return tuple(rows)
 
 
@@ -55,9 +62,9 @@ def effect_estimates(result: Fit, index: int) -> tuple[Estimate, ...]:
                 else unknown.unit * std
             )
             widest = _anywhere(value, unknown.about.lower, unknown.about.upper)
-            entries.setdefault(names[unknown.entry], []).append(min(float(size), widest))
+            entries.setdefault(names[unknown.entry], []).append(min(hypot(size, KNOWN_TO * value), widest))
         elif isinstance(unknown, PlaceUnknown) and unknown.effect == index:
-            where, size = effect.place.position or 0.0, float(std) * unknown.unit
+            where, size = effect.place.position or 0.0, hypot(std * unknown.unit, PLACE_KNOWN_TO * unknown.length)
             rows.append(Estimate("position", where, min(size, _anywhere(where, 0.0, unknown.length)), "m"))
     for name, about in effect.parameters().items():
         value = getattr(effect, name)

@@ -12,7 +12,9 @@ from identification.fit import Fit
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
 from identification.judge import Ranked
 from identification.outcome import (
+    KNOWN_TO,
     LARGEST_LOG_STD,
+    PLACE_KNOWN_TO,
     UNTRIED,
     UNTRIED_BEYOND,
     UNTRIED_MISSED,
@@ -64,8 +66,8 @@ def test_a_number_of_the_rig_is_told_in_its_unit_and_widened_by_the_misfit():
     first = unknowns[0].parameter
     value = first.value * np.exp(1.5 * first.tolerance)
     assert rows[first.path].value == pytest.approx(value)
-    assert rows[first.path].std == pytest.approx(0.2 * first.tolerance * value)
-    assert wide[first.path].std == pytest.approx(0.6 * first.tolerance * value)
+    assert rows[first.path].std == pytest.approx(np.hypot(0.2 * first.tolerance, KNOWN_TO) * value)
+    assert wide[first.path].std == pytest.approx(np.hypot(0.6 * first.tolerance, KNOWN_TO) * value)
     untold = {e.name: e for e in rig_estimates(fit_of(hypothesis, unknowns, 0.9, ratio=3.0))}
     assert untold[first.path].std == pytest.approx(first.tolerance * value)  # its owner knew that much
     assert (set(rows), rows["mass"].unit) == ({"mass", "stiffness", "damping"}, "kg")
@@ -76,16 +78,23 @@ def test_an_effects_numbers_are_told_with_its_place():
 
     spread = PointMass.parameters()["mass"].spread
     assert (rows["mass"].value, rows["mass"].unit) == (0.3, "kg")
-    assert rows["mass"].std == pytest.approx(0.3 * np.expm1(0.01 * spread))
+    assert rows["mass"].std == pytest.approx(0.3 * np.hypot(np.expm1(0.01 * spread), KNOWN_TO))
     assert rows["position"].value == 0.7
-    assert rows["position"].std == pytest.approx(0.01 * 1.469 / 20.0)
+    assert rows["position"].std == pytest.approx(1.469 * np.hypot(0.01 / 20.0, PLACE_KNOWN_TO))
 
 
 def test_a_linear_number_has_a_deviation_in_its_own_unit():
     (row,) = effect_estimates(effect_fit(GAIN), 0)
 
     assert (row.name, row.value) == ("gain", 0.5)
-    assert row.std == pytest.approx(0.01 * 0.5)
+    assert row.std == pytest.approx(0.5 * np.hypot(0.01, KNOWN_TO))
+
+
+def test_no_number_is_told_closer_than_two_models_of_one_rig_agree():
+    rows = {e.name: e for e in effect_estimates(effect_fit(MASS, std=1e-9), 0)}
+
+    assert rows["mass"].std == pytest.approx(KNOWN_TO * 0.3)
+    assert rows["position"].std == pytest.approx(PLACE_KNOWN_TO * REFERENCE.structure.length)
 
 
 def test_a_number_that_nobody_knows_has_a_finite_deviation():
