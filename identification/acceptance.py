@@ -287,17 +287,21 @@ def verdict_of(
     if complete is not None:
         session.decide(f"complete: {complete}")
         return "complete"
-    short = f"more than {FAR_FROM_MOTION:.0%} of the motion is left" if far else f"{enough:.0%} would be a diagnosis"
-    session.decide(
-        f"unexplained: the best of the library leaves {final.ratio:.2f} times the noise and takes away {share:.1%} of "
-        f"the misfit beyond it; {short}"
-        if has_effects
-        else "unexplained: what would explain it is not established"
-        if taken_out
-        else "unexplained: nothing in the library explains what is left"
-        if looked
-        else f"unexplained: the calibrated model leaves {final.ratio:.2f} times the noise, and no effect was asked for"
-    )
+    if has_effects:
+        short = (
+            f"more than {FAR_FROM_MOTION:.0%} of the motion is left" if far else f"{enough:.0%} would be a diagnosis"
+        )
+        why = (
+            f"the best of the library leaves {final.ratio:.2f} times the noise and takes away {share:.1%} of the "
+            f"misfit beyond it; {short}"
+        )
+    elif taken_out:
+        why = "what would explain it is not established"
+    elif looked:
+        why = "nothing in the library explains what is left"
+    else:
+        why = f"the calibrated model leaves {final.ratio:.2f} times the noise, and no effect was asked for"
+    session.decide(f"unexplained: {why}")
     return "unexplained"
 
 

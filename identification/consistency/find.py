@@ -157,7 +157,7 @@ def _beyond(scatter: Scatter, found: Fit, rig: Mapping[int, RigUnknown]) -> dict
     """Numbers further from the rig file than one of so many true ones, and than the force's noise moves them.
 
     Held against what the owner says, the records speak in the unit of the model's own error: a number that they hardly
-    tell goes as far as it can for a millionth of what is left.
+    tell goes as far as it can for a two-thousandth of what is left.
     """
     x = coordinates(found.hypothesis, found.unknowns)
     least = min(least_sigma(0.5 * FALSE_ALARM, len(rig)), STRAINED_SHARE * LARGEST_SIGMA)

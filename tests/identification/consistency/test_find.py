@@ -115,7 +115,7 @@ def test_a_number_has_left_its_tolerance_beyond_what_the_forces_noise_explains(m
 
 @pytest.mark.parametrize(("information", "has_left"), [(5.0, False), (5e4, True)])
 def test_what_the_records_hardly_tell_has_not_left_its_tolerance(monkeypatch, information, has_left):
-    """A clearance whose other wall is not touched went to the end of its tolerance for 1e-5 of what was left."""
+    """A clearance whose other wall is not touched went to the end of its tolerance for a 2000th of what was left."""
     truth = Hypothesis(RIG.with_values({"stiffness": STIFFNESS * np.exp(6 * 0.03)}))
     evaluator, given = evaluator_of(*records_of(truth, 3.0, 10.0)), Hypothesis(RIG)
     found = calibrate(evaluator, given, unknowns_of(given, evaluator))
