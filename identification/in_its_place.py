@@ -114,6 +114,8 @@ def with_others_there(
 def _simpler_rows(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], registry: Registry) -> list[Ranked]:
     """Laws with fewer numbers than the first, tried where it sits, from the numbers of the rig that it has come to.
 
+    Where its place is fitted, so are those that have none: a place is a number more.
+
     A law with more numbers has more ways down, and may reach what is there at an end of itself (an absorber so stiff
     that it is a mass, hysteresis that yields at once, which is friction), while the plain law itself was stopped on its
     way.
@@ -124,14 +126,31 @@ def _simpler_rows(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], regis
     sort = "position" if leader.place.sleeve is None else "sleeve"
     fewer = {name: kind for name, kind in registry.items() if sort in kind.places and _is_simpler(kind, leader)}
     seen = _seen_there(ranked[0].fit, fitting, base, fewer) if fewer else []
-    return begun_at_leader(fitting, base, ranked, (replace(effect, place=leader.place) for effect in seen))
+    there = [replace(effect, place=leader.place) for effect in seen]
+    return begun_at_leader(fitting, base, ranked, [*there, *_of_the_whole_beam(fitting, base, ranked[0], registry)])
 
 
-def _is_simpler(kind: type[Effect], leader: Effect) -> bool:
-    """Whether a kind that acts by itself has fewer numbers for a fit; a law in time has as many as its table."""
+def _is_simpler(kind: type[Effect], leader: Effect, place: int = 0) -> bool:
+    """Whether a kind that acts by itself has fewer numbers for a fit; a law in time has as many as its table.
+
+    Args:
+        kind: of law.
+        leader: the other one.
+        place: numbers that its place is.
+    """
     alone = kind.part_kind() == kind.kind
     most = len(leader.fitted_values()) if leader.family == "time" else leader.n_numbers
-    return alone and sum(about.fitted for about in kind.parameters().values()) < most
+    return alone and sum(about.fitted for about in kind.parameters().values()) < most + place
+
+
+def _of_the_whole_beam(fitting: Evaluator, base: Fit, first: Ranked, registry: Registry) -> list[Effect]:
+    """The best of the kinds that change the whole beam and have fewer numbers than the first with its place."""
+    if not free_place(first.effect):
+        return []
+    whole = {name: kind for name, kind in registry.items() if kind.family == "structure" and not kind.places}
+    fewer = {name: kind for name, kind in whole.items() if _is_simpler(kind, first.effect, place=1)}
+    seen = seen_at(None, fitting, base, without_last(first.fit.hypothesis), fewer) if fewer else []
+    return [suspect.effect for suspect in seen[:MOST_SEEN]]
 
 
 def _of_the_sleeve(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], registry: Registry) -> list[Ranked]:

@@ -11,9 +11,11 @@ from identification.in_its_place import EXPLAINED, with_others_there
 from models.effects import EFFECTS, Place
 from models.effects.absorber import Absorber
 from models.effects.bouc_wen import BoucWen
+from models.effects.clamp_compliance import ClampCompliance
 from models.effects.coulomb_friction import CoulombFriction
 from models.effects.hertz_contact import HertzContact
 from models.effects.hunt_crossley import HuntCrossley
+from models.effects.local_damage import LocalDamage
 from models.effects.point_damping import PointDamping
 from models.effects.point_mass import PointMass
 from models.effects.sensor_gain import SensorGain
@@ -72,6 +74,18 @@ def test_a_law_that_may_vary_in_time_gives_way_to_a_constant_one():
     assert rows[0].effect.kind == "hunt_crossley"
     assert rows[0].effect.dissipation == pytest.approx(1.0, rel=0.2)
     assert rows[0].fit.ratio <= found.ratio
+
+
+@pytest.mark.parametrize(("position", "stands"), [(0.02, "clamp_compliance"), (0.5, "local_damage")])
+def test_a_clamp_that_turns_stands_for_damage_beside_it_which_has_a_place_to_fit(position, stands):
+    clamp = ClampCompliance(Place(), rotational_stiffness=8e4)
+    damage = LocalDamage(at(position), loss=0.5)
+    session = beam_session(clamp if stands == clamp.kind else damage, n=4096)
+
+    found, rows = rows_after(session, damage, "clamp_compliance", "local_damage", "axial_load")
+
+    assert rows[0].effect.kind == stands
+    assert rows[0].fit.ratio < 1.05 * found.ratio
 
 
 def test_on_an_oscillator_the_simpler_law_is_tried_too():
