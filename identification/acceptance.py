@@ -10,7 +10,7 @@ from identification.evidence import (
     LEAST_EVIDENCE,
     Ranked,
     log_fit,
-    log_without,
+    log_standing,
     misfit_in_common,
     misfit_of,
     with_evidence,
@@ -76,7 +76,7 @@ def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
         session.decide("no effect of the library improves the model")
         return None
     best = ranked[0]
-    odds = best.log_evidence - log_without(base, misfit_in_common(ranked))
+    odds = best.log_evidence - log_standing(base, misfit_in_common(ranked))
     share = takes_away(base, best.fit)
     name = best.effect.label()
     least = LATER_SHARE if base.hypothesis.effects and best.fit.ratio > NOISE_NEAR else LEAST_SHARE
@@ -109,6 +109,23 @@ def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
     tell_tangent(session, best)
     refined = _refined(session, best.fit)
     return refined if refined is best.fit or session.holds(refined.hypothesis) else best.fit
+
+
+def finite_first(session: Session, ranked: list[Ranked]) -> list[Ranked]:
+    """The ranking without those first whose motion leaves the finite numbers beyond what was fitted.
+
+    Left as it is where none that stays finite is about as probable.
+
+    Args:
+        session: told.
+        ranked: sorted.
+    """
+    rivals = [row for row in ranked if row.refitted and ranked[0].log_evidence - row.log_evidence < LEAST_EVIDENCE]
+    for row in rivals if len(rivals) > 1 else []:
+        if session.holds(row.fit.hypothesis):
+            return ranked[ranked.index(row) :]
+        session.decide(f"{row.effect.label()}: the motion leaves the finite numbers in the rest of the same records")
+    return ranked
 
 
 def tell_tangent(session: Session, added: Ranked) -> None:

@@ -10,7 +10,7 @@ from identification.consistency.finding import CalibrationFinding
 from identification.evaluate import Evaluator
 from identification.evidence import (
     Ranked,
-    log_without,
+    log_standing,
     misfit_in_common,
     probabilities,
 )
@@ -197,7 +197,7 @@ def _nothing(first: Sequence[Ranked], final: Fit) -> float:
     """Log evidence of "nothing more", on the scale of the round."""
     if final.hypothesis.effects:
         return min(r.log_evidence for r in first) - 50.0
-    return log_without(final, misfit_in_common(first))
+    return log_standing(final, misfit_in_common(first))
 
 
 def _traces(session: Session, hypothesis: Hypothesis) -> dict[str, Trace]:

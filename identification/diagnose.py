@@ -8,6 +8,7 @@ import numpy as np
 
 from identification.acceptance import (
     accepted,
+    finite_first,
     fit_without,
     in_doubt,
     is_enough,
@@ -116,7 +117,8 @@ def diagnose(
             if learnt is not better:
                 ranked, _ = look_round(session, learnt)
         chain, (*rounds, ranked) = carried_by_best(session, chain, [*rounds, ranked])
-        rounds.append(told_apart(session, with_other_starts(session, chain[-1], ranked)))
+        ranked = finite_first(session, with_other_starts(session, chain[-1], ranked))
+        rounds.append(told_apart(session, ranked))
         chain, rounds = reweigh(session, chain, rounds)
         chosen = accepted(session, chain[-1], rounds[-1])
         if chosen is None:

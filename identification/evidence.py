@@ -79,12 +79,28 @@ def log_without(result: Fit, scale: float) -> float:
         scale: ``misfit_in_common`` of the round.
     """
     own = set(_own(result))
-    rest = [i for i in range(len(result.unknowns)) if i not in own]
-    if not rest:
+    return _log_left(result, scale, [i for i in range(len(result.unknowns)) if i not in own])
+
+
+def log_standing(result: Fit, scale: float) -> float:
+    """``log_fit`` with the volume that is left to all unknowns of the model that the suspects of a round stand beside.
+
+    The numbers of its effects are among those that all models of the round have: ``log_without`` counts them there.
+
+    Args:
+        result: the model without a suspect.
+        scale: ``misfit_in_common`` of the round.
+    """
+    return _log_left(result, scale, range(len(result.unknowns)))
+
+
+def _log_left(result: Fit, scale: float, those: Sequence[int]) -> float:
+    """``log_fit`` with the volume that is left to some unknowns where the others stay, per unit volume."""
+    if not those:
         return log_fit(result, scale)
     prior = np.diag(prior_of(result.unknowns))
     told = (np.linalg.inv(result.covariance) - prior) / scale + prior
-    sizes = np.linalg.eigvalsh(told[np.ix_(rest, rest)])
+    sizes = np.linalg.eigvalsh(told[np.ix_(those, those)])
     return log_fit(result, scale) - 0.5 * float(np.log(np.maximum(sizes, LEAST_TOLD)).sum())
 
 

@@ -12,7 +12,7 @@ from identification.evidence import (
     LEAST_EVIDENCE,
     Ranked,
     log_fit,
-    log_without,
+    log_standing,
     misfit_in_common,
     misfit_of,
     with_evidence,
@@ -128,7 +128,7 @@ def addition(evaluator: Evaluator, base: Fit, registry: Registry, progress: Prog
     if not ranked:
         raise ArithmeticError("no effect of the library leaves a steady state")
     best = ranked[0]
-    odds = best.log_evidence - log_without(base, misfit_in_common(ranked))
+    odds = best.log_evidence - log_standing(base, misfit_in_common(ranked))
     return Addition(tuple(ranked), best.fit, odds, takes_away(base, best.fit))
 
 

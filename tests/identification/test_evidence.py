@@ -13,6 +13,7 @@ from identification.evidence import (
     SIMPLER,
     Ranked,
     log_occam,
+    log_standing,
     log_without,
     probabilities,
     ranked_together,
@@ -168,3 +169,19 @@ def test_a_number_that_an_effect_takes_out_of_play_is_as_wide_as_its_tolerance()
     shared, alone = fit_with(offset, together=True), fit_with(own, together=False)
     assert log_without(shared, 1.0) - log_without(alone, 1.0) == pytest.approx(log(fine), abs=1e-3)
     assert 0.5 * log(shared.covariance[-1, -1] / alone.covariance[-1, -1]) == pytest.approx(-log(fine), abs=1e-3)
+
+
+def test_a_further_effect_does_not_pay_again_for_what_was_found_before_it():
+    """The first one's mass is known to a thousandth beside both models: of them only the second effect's is new."""
+    base, further = fit_of(MASS, 1000.0), PointDamping(HERE, damping=1.0)
+    known = np.diag([1e-6])
+    both = replace(
+        base,
+        hypothesis=replace(base.hypothesis, effects=(MASS, further)),
+        unknowns=(*base.unknowns, *(replace(unknown, effect=1) for unknown in fit_of(further, 1000.0).unknowns)),
+        covariance=np.diag([1e-6, 1e-2]),
+    )
+
+    odds = log_without(both, 1.0) - log_standing(replace(base, covariance=known), 1.0)
+
+    assert odds == pytest.approx(0.0, abs=1e-6)

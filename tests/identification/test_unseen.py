@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from trial_records import evaluator_of, measured, multisine, oscillator
 
-from identification.acceptance import accepted
-from identification.evidence import Ranked, with_evidence
+from identification.acceptance import accepted, finite_first
+from identification.evidence import LEAST_EVIDENCE, Ranked, with_evidence
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
 from identification.prepare import Horizon, cut_to
@@ -101,19 +101,36 @@ def test_a_rest_in_which_both_models_are_still_is_no_evidence_against_an_effect(
     assert accepted(session, base, with_evidence([Ranked.of(found)])) is not None
 
 
-def test_an_effect_that_lets_the_rig_run_away_later_is_not_added():
-    """A spring that softens without end: through the first second it holds, under what comes later it does not."""
+def growing():
+    """A session whose force grows, and a spring that softens without end: through the first second alone it holds."""
     force = np.linspace(0.02, 1.0, N) ** 2 * multisine(N, rms=200.0)
     everything = evaluator_of(measured(Hypothesis(RIG), force))
     limits = [Horizon("test", 1.0, 4.0)]
     session = Session(everything, cut_to(everything, PART, limits), limits, EFFECTS, lambda _: None, 0)
-    softening = QuadraticStiffness(Place(), stiffness=-4e8)
-    runaway = Hypothesis(RIG, effects=(softening,))
+    runaway = Hypothesis(RIG, effects=(QuadraticStiffness(Place(), stiffness=-4e8),))
     assert session.fitting.residuals([(runaway, None)])[0] is not None
-    other = session_on(BENT)
-    base, found, _ = fits_on(other)
+    return session, runaway
+
+
+def test_an_effect_that_lets_the_rig_run_away_later_is_not_added():
+    session, runaway = growing()
+    base, found, _ = fits_on(session_on(BENT))
     rows = with_evidence([Ranked.of(replace(found, hypothesis=runaway))])
 
     assert session.holds(base.hypothesis)
     assert accepted(session, base, rows) is None
     assert "leaves the finite numbers" in session.decisions[-1]
+
+
+@pytest.mark.parametrize(("behind", "is_asked"), [(5.0, True), (LEAST_EVIDENCE + 1.0, False)])
+def test_what_runs_away_later_gives_way_to_what_is_about_as_probable(behind, is_asked):
+    session, runaway = growing()
+    _, found, _ = fits_on(session_on(BENT))
+    lost = replace(Ranked.of(replace(found, hypothesis=runaway)), log_evidence=0.0)
+    stays = replace(Ranked.of(found), log_evidence=-behind)
+    unfitted = replace(stays, refitted=False, log_evidence=-100.0)
+
+    rows = finite_first(session, [lost, stays, unfitted])
+
+    assert rows == ([stays, unfitted] if is_asked else [lost, stays, unfitted])
+    assert len(session.decisions) == int(is_asked)
