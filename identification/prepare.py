@@ -255,6 +255,24 @@ def cut_to(
 MIN_SAMPLES = 256
 
 
+def followed_long(evaluator: Evaluator, seconds: float, limits: Sequence[Horizon]) -> tuple[Evaluator, list[Horizon]]:
+    """The time records that can be followed for long, and their horizons: what acts over time shows in none that tears.
+
+    Args:
+        evaluator: with all records.
+        seconds: no more are asked for.
+        limits: horizons, in the order of the time records.
+    """
+    pairs = list(zip(evaluator.timed, limits, strict=True))
+    followed = [min(seconds, limit.seconds, target.record.duration) for target, limit in pairs]
+    kept = [pair for pair, lasts in zip(pairs, followed, strict=True) if lasts >= LONG * max(followed)]
+    return evaluator.with_targets([*evaluator.at_rest, *(target for target, _ in kept)]), [limit for _, limit in kept]
+
+
+LONG = 0.5
+"""Share of the longest."""
+
+
 def level(record: Record) -> float:
     """Rms of the excitation, or of the response where there is none."""
     signal = record.responses if record.excitation is None else record.excitation

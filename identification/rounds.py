@@ -1,5 +1,6 @@
 """One round of looking for what is missing: the measurement first, then the physics of the rig."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from identification.calibrate import concerning
@@ -19,7 +20,7 @@ from identification.judge import judge, restarted
 from identification.look import View
 from identification.onset import goes_on, onset_of
 from identification.places_open import with_other_valleys
-from identification.prepare import cut_to
+from identification.prepare import Horizon, cut_to, followed_long
 from identification.reached import NOISE_REACHED
 from identification.session import Session
 from identification.tangent_ties import tied
@@ -34,7 +35,7 @@ def look_round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
     kinds, instant = session.kinds_on(base.hypothesis.rig), session.kinds_on(base.hypothesis.rig, but=("time",))
     lasting = {name: kind for name, kind in kinds.items() if name not in instant and session.everything.timed}
     searching = session.searching(base)
-    first = _view(session, searching, base, instant, SCREEN_SECONDS, 2)
+    first = _view(searching, session.limits, base, instant, SCREEN_SECONDS, 2)
     suspected = suspicion(first.evaluator, first.there)
     ranked: list[Ranked] = []
     if suspected:
@@ -46,16 +47,19 @@ def look_round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
     if suspected.of_force or not (ranked and ranked[0].fit.ratio <= NOISE_REACHED):
         views = [_where_it_shows(session, searching, base, first)]
         if lasting:
-            views.append(_view(session, searching, base, lasting, TIME_SECONDS, 1))
+            followed = followed_long(searching, TIME_SECONDS, session.limits)
+            views.append(_view(*followed, base, lasting, TIME_SECONDS, 1))
         ranked = judge(
             views, session.fitting, base, session.progress, lambda found: louder_by(session, base, found) is not None
         )
     return (ranked, _recalibrated(session, base, ranked[0].fit)) if ranked else ([], None)
 
 
-def _view(session: Session, searching: Evaluator, base: Fit, kinds: Registry, seconds: float, most: int) -> View:
+def _view(
+    searching: Evaluator, limits: Sequence[Horizon], base: Fit, kinds: Registry, seconds: float, most: int
+) -> View:
     """So many seconds of the loudest records, the quietest and those between, and the calibrated model there."""
-    evaluator = cut_to(searching, seconds, session.limits, most)
+    evaluator = cut_to(searching, seconds, limits, most)
     return View(evaluator, _there(evaluator, base.hypothesis, base), kinds)
 
 

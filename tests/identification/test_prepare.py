@@ -17,6 +17,7 @@ from identification.prepare import (
     RESOLVED,
     Horizon,
     cut_to,
+    followed_long,
     horizons,
     level,
     levels,
@@ -111,6 +112,19 @@ def test_a_record_is_never_shorter_than_a_few_waves(three):
 @pytest.mark.parametrize(("most", "kept"), [(1, {"short"}), (2, {"short", "long"}), (5, {"short", "middle", "long"})])
 def test_of_many_records_the_loudest_and_the_quietest_are_kept(three, most, kept):
     assert set(lengths(cut_to(three, 10.0, limits_of(three, 1.0, 2.0, 3.0), most))) == kept
+
+
+@pytest.mark.parametrize(
+    ("seconds", "kept"),
+    [
+        (10.0, {"middle", "long"}),  # of 0.4, 2 and 3 s
+        (0.7, {"short", "middle", "long"}),  # of 0.7 s that are asked for 0.4 are most
+    ],
+)
+def test_effects_in_time_are_looked_for_where_the_motion_can_be_followed_for_long(three, seconds, kept):
+    followed, limits = followed_long(three, seconds, limits_of(three, 0.4, 2.0, 3.0))
+
+    assert set(lengths(followed)) == {limit.record for limit in limits} == kept
 
 
 def test_the_level_is_that_of_the_excitation_or_else_of_the_response():
