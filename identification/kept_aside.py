@@ -22,7 +22,7 @@ class KeptAside:
     """What the updated model is worth on data that it has not seen.
 
     Attributes:
-        scores: over whole records, ``as given`` and ``updated``; empty where nothing was kept or nothing is predicted.
+        scores: over whole records, ``as given`` and ``updated``; empty where nothing was kept or one of them runs away.
         missed: record on which what was learnt does not hold -> a sentence that says so.
     """
 
@@ -51,14 +51,17 @@ def kept_aside(session: Session, given: Hypothesis, updated: Hypothesis, records
         residual = evaluator.residuals([(known, None)])[0]
         if residual is not None:
             evaluator = with_noise(evaluator, noise_left(evaluator, residual), known, rng)
-        scores = {
-            "as given": score(evaluator, with_starts(evaluator, given)),
-            "updated": score(evaluator, known),
-        }
+        scores = {"updated": score(evaluator, known)}
         judged = _judged(evaluator, known)
     except ArithmeticError as lost:
-        session.decide(f"the records kept aside were not predicted: {lost}")
-        return KeptAside()
+        told = f"{_model(updated)} does not predict what was kept aside; what was learnt does not hold there: {lost}"
+        session.decide(told)
+        return KeptAside(missed={record.name: told for record in records})
+    try:
+        scores = {"as given": score(evaluator, with_starts(evaluator, given)), **scores}
+    except ArithmeticError as lost:
+        session.decide(f"the rig as given does not predict what was kept aside: {lost}")
+        scores = {}
     for _, told, _ in judged:
         session.decide(told)
     return KeptAside(scores, {name: told for name, told, holds in judged if not holds})
@@ -69,8 +72,11 @@ def _judged(evaluator: Evaluator, known: Hypothesis) -> list[tuple[str, str, boo
     limits = horizons(evaluator, known)
     durations = {target.record.name: target.record.duration for target in evaluator.timed}
     followed = score(cut_to(evaluator, inf, limits), known)
-    model = "the updated model" if known.effects else "the calibrated model"
-    return [_in_words(row, durations, model) for row in (*followed.records, *followed.at_rest)]
+    return [_in_words(row, durations, _model(known)) for row in (*followed.records, *followed.at_rest)]
+
+
+def _model(known: Hypothesis) -> str:
+    return "the updated model" if known.effects else "the calibrated model"
 
 
 def _in_words(

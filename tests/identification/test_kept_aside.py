@@ -13,6 +13,7 @@ from identification.kept_aside import kept_aside
 from identification.prepare import Horizon
 from models.effects import Place
 from models.effects.cubic_stiffness import CubicStiffness
+from models.effects.quadratic_stiffness import QuadraticStiffness
 
 RIG = oscillator("displacement")
 TRUTH = moved(RIG, 0.5, -0.8, 1.0)
@@ -75,6 +76,31 @@ def test_frfs_are_judged_too(updated, holds):
     kept, _ = judged(updated, frfs_of(TRUTH))
 
     assert (kept.missed == {}) == holds
+
+
+def test_a_model_that_runs_away_does_not_hold():
+    """A spring that softens without end, under a force that it does not stand."""
+    record, _ = measured(TRUTH, multisine(4096, rms=200.0), name="loud")
+    runaway = TRUTH.with_effects(QuadraticStiffness(Place(), stiffness=-4e8))
+
+    kept, decisions = judged(runaway, record)
+
+    assert set(kept.missed) == {"loud"}
+    assert dict(kept.scores) == {}
+    assert decisions[0].startswith("the updated model does not predict what was kept aside")
+
+
+def test_a_rig_as_given_that_runs_away_takes_nothing_from_what_was_learnt():
+    low, _ = measured(TRUTH, multisine(4096, rms=0.1), name="low")
+    runaway = Hypothesis(RIG).with_effects(QuadraticStiffness(Place(), stiffness=-1e16))
+    session = Told()
+
+    kept = kept_aside(session, runaway, Hypothesis(RIG), [low])
+
+    assert set(kept.missed) == {"low"}
+    assert "the calibrated model" in kept.missed["low"]
+    assert dict(kept.scores) == {}
+    assert session.decisions[0].startswith("the rig as given does not predict")
 
 
 def test_nothing_kept_is_nothing_said():
