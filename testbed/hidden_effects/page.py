@@ -221,6 +221,11 @@ def _counts(summary: Json) -> Iterator[str]:
         yield "The force that the calibrated model lacks, located without a law, of one effect at one place: a place"
         yield f"was told in {place['told']} of {place['cases']} cases, within {NEAR:.0%} of the length of the true one"
         yield f"in {place['near']}; the interval held it in {place['inside']}."
+    told = {name: row for name, row in summary["contradicted"].items() if row["cases"]}
+    if told:
+        yield "Where nothing is added, something speaks against one set of numbers within the tolerances (a number that"
+        yield "drifts or leaves its tolerance, modes or a record that are not met), as far as batches told that, in:"
+        yield ", ".join(f"{row['found']} of {row['cases']} cases ({name})" for name, row in told.items()) + "."
     for limit in summary["detection"]["limits"]:
         low, high = limit["snr_db"]
         if limit["ratio"] is not None:

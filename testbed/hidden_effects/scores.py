@@ -67,6 +67,7 @@ def summary_of(cases: Sequence[Json], case_set: str) -> Json:
         "calibration_before": calibration([c for c in named if not SETS[case_set].batches[c["seed"]].keeps]),
         "by_what_is_left": by_what_is_left(named),
         "located": located([case for case in done if len(case["hidden"]) == 1]),
+        "contradicted": {name: contradicted(group) for name, group in groups.items()},
         "detection": detection([c for c in done if class_of(c) == ONE]),
         "farthest": [_miss(case) for case in farthest(done)],
         "misses": [_miss(case) for case in cases if "judged" not in case or not case["judged"]["right"]],
@@ -227,6 +228,16 @@ def located(cases: Sequence[Json]) -> Json:
     near = [abs(found["position"] - place) <= NEAR * c["rig"]["structure"]["length"] for c, found, place in told]
     inside = [found["interval"][0] <= place <= found["interval"][1] for _, found, place in told]
     return {"cases": len(looked), "told": len(told), "near": sum(near), "inside": sum(inside)}
+
+
+def contradicted(cases: Sequence[Json]) -> Json:
+    """In how many cases something speaks against one set of numbers within the tolerances, where nothing is added.
+
+    Args:
+        cases: of a class; those that failed, or whose batch did not tell it yet, are left out.
+    """
+    told = [case for case in cases if "of_calibrated" in case.get("diagnosis", {}).get("where", {})]
+    return {"cases": len(told), "found": sum(bool(case["diagnosis"]["where"]["of_calibrated"]) for case in told)}
 
 
 def _true_place(case: Json) -> float | None:

@@ -205,6 +205,19 @@ def test_a_located_force_is_near_and_inside_or_elsewhere():
     assert located(cases) == {"cases": 3, "told": 2, "near": 2, "inside": 1}
 
 
+def test_contradictions_of_the_calibrated_numbers_are_counted_where_they_were_told():
+    quiet, loud, silent, failed = (made_up("nothing", n) for n in range(4))
+    quiet["diagnosis"]["where"]["of_calibrated"], loud["diagnosis"]["where"]["of_calibrated"] = [], ["a drift"]
+    del failed["diagnosis"], failed["judged"]
+    failed["failure"] = "lost"
+
+    summary = summary_of([quiet, loud, silent, failed], "reported")
+
+    assert summary["contradicted"]["nothing hidden"] == {"cases": 2, "found": 1}
+    assert "1 of 2 cases (nothing hidden)." in page_of(summary, {}, "testbed")
+    assert "speaks against" not in page_of(summary_of([silent], "reported"), {}, "testbed")
+
+
 def test_an_effect_at_a_sleeve_is_where_the_sleeve_is():
     case = made_up("wear", 0, place=0.3)
     case["hidden"] = [{"kind": "wear", "sleeve": "sleeve 1"}]
