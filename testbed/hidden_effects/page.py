@@ -7,7 +7,7 @@ from identification.reached import NOISE_REACHED
 from testbed.hidden_effects.bars import ENOUGH, ENOUGH_NOTHING, interval_of, threads_of
 from testbed.hidden_effects.judge import LARGEST_GROUP, NEAR
 from testbed.hidden_effects.plan import NOTHING, OUTSIDE
-from testbed.hidden_effects.scores import CLASSES, FAR, ONE, STAGES, TAUGHT_UNTIL, beliefs_of
+from testbed.hidden_effects.scores import CLASSES, FAR, LOCATED_ANEW, ONE, STAGES, TAUGHT_UNTIL, beliefs_of
 from testbed.hidden_effects.sets import BEFORE, FEW, MANY, MOST, SETS, SNR, Batch
 from testbed.hidden_effects.trials import MOST_AMPLIFICATION, MOST_GROWTH
 from testbed.outputs import Json
@@ -221,6 +221,10 @@ def _counts(summary: Json) -> Iterator[str]:
         yield "The force that the calibrated model lacks, located without a law, of one effect at one place: a place"
         yield f"was told in {place['told']} of {place['cases']} cases, within {NEAR:.0%} of the length of the true one"
         yield f"in {place['near']}; the interval held it in {place['inside']}."
+    since = summary["located_since"]
+    if since["told"]:
+        yield f"From seed {LOCATED_ANEW} on the interval holds all places that explain as much: there the place was"
+        yield f"that near in {since['near']} of {since['told']}, and the interval held it in {since['inside']}."
     told = {name: row for name, row in summary["contradicted"].items() if row["cases"]}
     if told:
         yield "Where nothing is added, something speaks against one set of numbers within the tolerances (a number that"

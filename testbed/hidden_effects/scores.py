@@ -67,6 +67,7 @@ def summary_of(cases: Sequence[Json], case_set: str) -> Json:
         "calibration_before": calibration([c for c in named if not SETS[case_set].batches[c["seed"]].keeps]),
         "by_what_is_left": by_what_is_left(named),
         "located": located([case for case in done if len(case["hidden"]) == 1]),
+        "located_since": located([c for c in done if len(c["hidden"]) == 1 and c["seed"] >= LOCATED_ANEW]),
         "contradicted": {name: contradicted(group) for name, group in groups.items()},
         "detection": detection([c for c in done if class_of(c) == ONE]),
         "farthest": [_miss(case) for case in farthest(done)],
@@ -209,6 +210,10 @@ def _final(case: Json) -> Json:
     """Errors of the model that stands."""
     final: Json = case["diagnosis"]["error"][-1]
     return final
+
+
+LOCATED_ANEW = 25643
+"""Seed of the first batch whose diagnosis holds all places that explain as much in the interval of a place."""
 
 
 def located(cases: Sequence[Json]) -> Json:

@@ -2,7 +2,7 @@ import pytest
 from made_up_cases import SEED, every_bar_met, failed, made_up
 
 from testbed.hidden_effects.page import page_of
-from testbed.hidden_effects.scores import beliefs_of, calibration, in_a_line, located, seconds, summary_of
+from testbed.hidden_effects.scores import LOCATED_ANEW, beliefs_of, calibration, in_a_line, located, seconds, summary_of
 from testbed.hidden_effects.sets import REPORTED
 
 *_, LATER = REPORTED.batches
@@ -216,6 +216,15 @@ def test_contradictions_of_the_calibrated_numbers_are_counted_where_they_were_to
     assert summary["contradicted"]["nothing hidden"] == {"cases": 2, "found": 1}
     assert "1 of 2 cases (nothing hidden)." in page_of(summary, {}, "testbed")
     assert "speaks against" not in page_of(summary_of([silent], "reported"), {}, "testbed")
+
+
+def test_places_are_counted_apart_since_their_intervals_hold_what_explains_as_much():
+    cases = [made_up("point_mass", 0, place=0.8), made_up("point_mass", 0, place=0.51, seed=LOCATED_ANEW)]
+
+    summary = summary_of(cases, "reported")
+
+    assert (summary["located"]["told"], summary["located_since"]["told"]) == (2, 1)
+    assert "near in 1 of 1, and the interval held it in 1." in page_of(summary, {}, "testbed")
 
 
 def test_an_effect_at_a_sleeve_is_where_the_sleeve_is():
