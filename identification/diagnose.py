@@ -190,7 +190,7 @@ def _revised(
     chain, rounds = _exchanged(session, chain, rounds, stages, range(len(rounds) - 1))
     while True:
         fewer = one_alone(session, chain[0], chain[-1]) or with_fewer(session, chain[0], chain[-1], rounds)
-        if fewer is None:
+        if fewer is None or not _stays_finite(session, fewer.label, fewer.fit):
             return chain, rounds
         stages.append(session.stage(fewer.label, fewer.fit.hypothesis))
         chain, rounds = _with(session, chain, fewer.fit), fewer.rounds
@@ -212,7 +212,10 @@ def _exchanged(
     after = looked_for_anew(session, chain[0], exchanged(session, chain[0], chain[-1], rounds, waiting))
     if after.newest is None:
         return chain, after.rounds
-    stages.append(session.stage("; ".join(after.labels), after.fit.hypothesis))
+    label = "; ".join(after.labels)
+    if not _stays_finite(session, label, after.fit):
+        return chain, rounds
+    stages.append(session.stage(label, after.fit.hypothesis))
     return _pruned(session, [*chain, after.fit], after.rounds, stages, newest=after.newest)
 
 
@@ -221,10 +224,21 @@ def _pruned(
 ) -> tuple[list[Fit], list[list[Ranked]]]:
     """The models and rounds without the effects that a new one has made needless."""
     for index, less in pruned(session, chain[0], chain[-1], newest=newest):
-        stages.append(session.stage(f"- {chain[-1].hypothesis.effects[index].label()}", less.hypothesis))
+        label = f"- {chain[-1].hypothesis.effects[index].label()}"
+        if not _stays_finite(session, label, less):
+            break
+        stages.append(session.stage(label, less.hypothesis))
         chain = [*chain, less]
         rounds = [*rounds[:index], *rounds[index + 1 :]]
     return chain, rounds
+
+
+def _stays_finite(session: Session, label: str, result: Fit) -> bool:
+    """Whether another model's motion stays finite through whole records, of which a part was fitted; told if not."""
+    if session.holds(result.hypothesis):
+        return True
+    session.decide(f"{label}: not done, since the motion leaves the finite numbers in the rest of the same records")
+    return False
 
 
 def _ended(
@@ -253,7 +267,7 @@ def _ended(
         other = None
         if why != NO_SIZE:
             other = instead_of(session, chain[0], final, index, rounds[index], asked[index])
-        if other is not None:
+        if other is not None and _stays_finite(session, f"{effect.label()} exchanged", other.fit):
             final, rounds[index] = other.fit, other.ranked
             now = final.hypothesis.effects[index]
             session.decide(
@@ -264,8 +278,9 @@ def _ended(
             continue
         session.decide(f"{effect.label()} taken out again: {why}")
         taken_out = True
-        final = fit_without(session, chain[0], final, index) or chain[0]
-        stages.append(session.stage(f"- {effect.label()}", final.hypothesis))
+        label, less = f"- {effect.label()}", fit_without(session, chain[0], final, index)
+        final = less if less is not None and _stays_finite(session, label, less) else chain[0]
+        stages.append(session.stage(label, final.hypothesis))
         weighed = [rounds.pop(index)]
         asked.pop(index)
         del rounds[len(final.hypothesis.effects) :]  # what was weighed beside it and not taken

@@ -7,7 +7,9 @@ import pytest
 from trial_records import evaluator_of, measured, multisine, oscillator
 
 from identification.acceptance import accepted, finite_first
+from identification.diagnose import _exchanged, _pruned
 from identification.evidence import LEAST_EVIDENCE, Ranked, with_evidence
+from identification.exchange import Exchange
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
 from identification.prepare import Horizon, cut_to
@@ -134,3 +136,19 @@ def test_what_runs_away_later_gives_way_to_what_is_about_as_probable(behind, is_
 
     assert rows == ([stays, unfitted] if is_asked else [lost, stays, unfitted])
     assert len(session.decisions) == int(is_asked)
+
+
+def test_a_model_that_runs_away_later_takes_the_place_of_none(monkeypatch):
+    """Neither with an effect less nor with another: its errors on whole records could not even be told."""
+    session, runaway = growing()
+    base, found, rows = fits_on(session_on(BENT))
+    lost = replace(found, hypothesis=runaway)
+    monkeypatch.setattr("identification.diagnose.pruned", lambda *_, **__: [(0, lost)])
+    monkeypatch.setattr("identification.diagnose.exchanged", lambda *_: None)
+    monkeypatch.setattr("identification.diagnose.looked_for_anew", lambda *_: Exchange(lost, [[]], ("another",), 0))
+    chain, stages = [base, found], []
+
+    assert _pruned(session, chain, [rows], stages, newest=1) == (chain, [rows])
+    assert _exchanged(session, chain, [rows], stages, [0]) == (chain, [rows])
+    assert stages == []
+    assert [told.partition(":")[0] for told in session.decisions] == ["- cubic_stiffness", "another"]
