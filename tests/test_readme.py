@@ -70,8 +70,7 @@ def test_the_other_figures_of_the_hidden_effects_are_those_of_the_results():
         assert told.startswith(f"{seconds['value']:.1f}, of {seconds['cases']} cases")
     assert f"Each of the {results['cases']} cases" in README
     missed = [bar["name"] for bar in results["bars"] if not bar["met"]]
-    assert len(missed) == 2
-    assert "two of nine bars are missed" in README
+    assert {1: "one of nine bars is missed", 2: "two of nine bars are missed"}[len(missed)] in README
     assert "**Missed bars**" in README.partition("## Known limits")[2]
 
 
