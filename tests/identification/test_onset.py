@@ -103,7 +103,7 @@ def test_where_nothing_is_missing_no_misfit_begins():
 def test_the_search_moves_to_where_the_misfit_is():
     session, base = rising_session(Hypothesis(OSCILLATOR, effects=(HARDENING,)), 1.0)
     kinds = {"cubic_stiffness": EFFECTS["cubic_stiffness"]}
-    view = _view(session, session.everything, base, kinds, 1.0, 2)
+    view = _view(session.everything, session.limits, base, kinds, 1.0, 2)
 
     moved = _where_it_shows(session, session.everything, base, view)
 
@@ -114,7 +114,7 @@ def test_the_search_moves_to_where_the_misfit_is():
 
 def test_the_search_stays_where_the_misfit_shows_from_the_first():
     session, base = rising_session(Hypothesis(OSCILLATOR, effects=(HARDENING,)), 1.0)
-    view = _view(session, session.everything, base, EFFECTS, 4.0, 2)
+    view = _view(session.everything, session.limits, base, EFFECTS, 4.0, 2)
     assert view.there.ratio > 1.15
 
     assert _where_it_shows(session, session.everything, base, view) is view
