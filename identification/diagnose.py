@@ -190,9 +190,8 @@ def _revised(
     chain, rounds = _exchanged(session, chain, rounds, stages, range(len(rounds) - 1))
     while True:
         fewer = one_alone(session, chain[0], chain[-1]) or with_fewer(session, chain[0], chain[-1], rounds)
-        if fewer is None or not _stays_finite(session, fewer.label, fewer.fit):
+        if fewer is None or not _staged(session, stages, fewer.label, fewer.fit):
             return chain, rounds
-        stages.append(session.stage(fewer.label, fewer.fit.hypothesis))
         chain, rounds = _with(session, chain, fewer.fit), fewer.rounds
         if len(rounds) > 1:
             chain, rounds = _exchanged(session, chain, rounds, stages, range(len(rounds)))
@@ -212,10 +211,8 @@ def _exchanged(
     after = looked_for_anew(session, chain[0], exchanged(session, chain[0], chain[-1], rounds, waiting))
     if after.newest is None:
         return chain, after.rounds
-    label = "; ".join(after.labels)
-    if not _stays_finite(session, label, after.fit):
+    if not _staged(session, stages, "; ".join(after.labels), after.fit):
         return chain, rounds
-    stages.append(session.stage(label, after.fit.hypothesis))
     return _pruned(session, [*chain, after.fit], after.rounds, stages, newest=after.newest)
 
 
@@ -224,21 +221,21 @@ def _pruned(
 ) -> tuple[list[Fit], list[list[Ranked]]]:
     """The models and rounds without the effects that a new one has made needless."""
     for index, less in pruned(session, chain[0], chain[-1], newest=newest):
-        label = f"- {chain[-1].hypothesis.effects[index].label()}"
-        if not _stays_finite(session, label, less):
+        if not _staged(session, stages, f"- {chain[-1].hypothesis.effects[index].label()}", less):
             break
-        stages.append(session.stage(label, less.hypothesis))
         chain = [*chain, less]
         rounds = [*rounds[:index], *rounds[index + 1 :]]
     return chain, rounds
 
 
-def _stays_finite(session: Session, label: str, result: Fit) -> bool:
-    """Whether another model's motion stays finite through whole records, of which a part was fitted; told if not."""
-    if session.holds(result.hypothesis):
-        return True
-    session.decide(f"{label}: not done, since the motion leaves the finite numbers in the rest of the same records")
-    return False
+def _staged(session: Session, stages: list[Stage], label: str, result: Fit) -> bool:
+    """Whether another model becomes the next stage; not one, told so, whose motion is lost beyond what was fitted."""
+    try:
+        stages.append(session.stage(label, result.hypothesis))
+    except ArithmeticError:
+        session.decide(f"{label}: not done, since the motion leaves the finite numbers in the rest of the same records")
+        return False
+    return True
 
 
 def _ended(
@@ -267,20 +264,21 @@ def _ended(
         other = None
         if why != NO_SIZE:
             other = instead_of(session, chain[0], final, index, rounds[index], asked[index])
-        if other is not None and _stays_finite(session, f"{effect.label()} exchanged", other.fit):
-            final, rounds[index] = other.fit, other.ranked
-            now = final.hypothesis.effects[index]
-            session.decide(
-                f"{effect.label()} exchanged for {now.label()}, which explains the records as well: {why}; "
-                f"{now.in_words()}"
-            )
-            stages.append(session.stage(f"{effect.label()} exchanged for {now.label()}", final.hypothesis))
-            continue
+        if other is not None:
+            now = other.fit.hypothesis.effects[index]
+            label = f"{effect.label()} exchanged for {now.label()}"
+            if _staged(session, stages, label, other.fit):
+                final, rounds[index] = other.fit, other.ranked
+                session.decide(f"{label}, which explains the records as well: {why}; {now.in_words()}")
+                continue
         session.decide(f"{effect.label()} taken out again: {why}")
         taken_out = True
         label, less = f"- {effect.label()}", fit_without(session, chain[0], final, index)
-        final = less if less is not None and _stays_finite(session, label, less) else chain[0]
-        stages.append(session.stage(label, final.hypothesis))
+        if less is not None and _staged(session, stages, label, less):
+            final = less
+        else:
+            final = chain[0]
+            stages.append(session.stage(label, final.hypothesis))
         weighed = [rounds.pop(index)]
         asked.pop(index)
         del rounds[len(final.hypothesis.effects) :]  # what was weighed beside it and not taken
