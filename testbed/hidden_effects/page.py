@@ -61,6 +61,11 @@ FARTHEST = f"""\
 Right, and yet the error on the record held out is more than {FAR:g} times the true noise there; the farthest first.
 """
 
+DETECTED = """\
+Right of all, by the error of the calibrated model over the noise. A limit that the picture draws is where the share of
+all larger ones comes to nine of ten; it says nothing of the small ones alone, and this table does.
+"""
+
 WHERE = """\
 Medians: the error held out over the true noise with the rig as given, calibrated, and after the diagnosis; and the
 seconds of the diagnosis, on one thread or two.
@@ -123,6 +128,8 @@ def page_of(summary: Json, explained: Mapping[str, str], command: str) -> str:
             for heading, rows in beliefs_of(summary).items():
                 lines += [f"{heading[0].upper()}{heading[1:]}:", "", *_beliefs(rows), ""] if rows else []
             lines += _by_what_is_left(summary["by_what_is_left"])
+        if name == "detection" and _is_drawn(summary, name):
+            lines += ["", DETECTED, *_by_size(summary["detection"])]
     lines += ["", "## Numbers", "", *_numbers(summary["numbers"])]
     missed = sorted(summary["misses"], key=lambda row: (str(row["kind"]) in (NOTHING, OUTSIDE), row["case"]))
     lines += ["", "## Missed, one by one", "", *_misses(missed, explained)]
@@ -244,6 +251,21 @@ def _counts(summary: Json) -> Iterator[str]:
         if others["cases"]:
             yield f"The other {others['cases']} cases ran on {threads_of(others)}, mostly beside another case:"
             yield f"{others['median']:.3g} s (median)."
+
+
+def _by_size(detection: Json) -> Iterator[str]:
+    """How many effects of each size were found, for each range of SNR and for all."""
+    ranges = [f"{low:g} to {high:g} dB" for low, high in (limit["snr_db"] for limit in detection["limits"])]
+    yield from _heads(("times the noise", *ranges, "all", "95 % interval of the share right"))
+    for row in detection["by_size"]:
+        right, cases = (sum(count[key] for count in row["counts"]) for key in ("right", "cases"))
+        if cases:
+            size = f"{row['from']:g} or more" if row["to"] is None else f"{row['from']:g} to {row['to']:g}"
+            low, high = interval_of(right, cases)
+            counts = " | ".join(
+                f"{count['right']} of {count['cases']}" for count in (*row["counts"], {"right": right, "cases": cases})
+            )
+            yield f"| {size} | {counts} | {low:.2f} to {high:.2f} |"
 
 
 def _numbers(numbers: Json) -> Iterator[str]:

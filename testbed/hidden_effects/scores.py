@@ -26,6 +26,9 @@ PROBABILITY_EDGES = (0.0, 0.5, 0.8, 0.95, 0.99, 1.0)
 SNR_EDGES = (40.0, 42.5, 45.0)
 """dB."""
 
+SIZE_EDGES = (0.0, 2.0, 3.0, MANY, 10.0, np.inf)
+"""Calibrated errors over the noise, between which the cases are counted."""
+
 RELIABLY = 0.9
 """Share of the cases from a size on that are right, where that size is called detected."""
 
@@ -323,7 +326,7 @@ def held_out(cases: Sequence[Json]) -> Json:
 
 
 def detection(cases: Sequence[Json]) -> Json:
-    """From which size on effects are found, for two ranges of SNR.
+    """How many effects of each size are found, and from which size on they are, for two ranges of SNR.
 
     Args:
         cases: of one effect, done.
@@ -337,7 +340,15 @@ def detection(cases: Sequence[Json]) -> Json:
         first = _limit(inside)
         ratio = None if first is None else inside[first]["ratio"]
         limits.append({"snr_db": [low, high], "cases": len(inside), "ratio": ratio, "is_least": first == 0})
-    return {"rows": rows, "limits": limits}
+    return {"rows": rows, "limits": limits, "by_size": [_of_size(rows, *edges) for edges in pairwise(SIZE_EDGES)]}
+
+
+def _of_size(rows: Sequence[Json], low: float, high: float) -> Json:
+    """Counts of the cases between two sizes, for each range of SNR."""
+    alike = [row for row in rows if low <= row["ratio"] < high]
+    ranges = [[r for r in alike if least <= r["snr_db"] <= most] for least, most in pairwise(SNR_EDGES)]
+    counts = [{"right": sum(row["right"] for row in some), "cases": len(some)} for some in ranges]
+    return {"from": low, "to": high if np.isfinite(high) else None, "counts": counts}
 
 
 def _limit(rows: Sequence[Json]) -> int | None:

@@ -149,6 +149,17 @@ def test_the_detection_limit_is_the_size_from_which_on_nine_of_ten_are_right():
     assert high["ratio"] is None
 
 
+def test_effects_of_each_size_are_counted_by_their_snr():
+    cases = [made_up("point_mass", 6 * n, right=n > 0, ratio=1.5 + n) for n in range(3)]  # all at 40 dB
+    summary = summary_of(cases, "reported")
+
+    counts = {row["from"]: row["counts"] for row in summary["detection"]["by_size"]}
+    assert counts[0.0] == [{"right": 0, "cases": 1}, {"right": 0, "cases": 0}]
+    assert counts[2.0][0] == {"right": 1, "cases": 1}
+    assert counts[3.0][0] == {"right": 1, "cases": 1}
+    assert "| 2 to 3 | 1 of 1 | 0 of 0 | 1 of 1 | 0.03 to 1.00 |" in page_of(summary, {}, "testbed")
+
+
 def test_where_the_smallest_is_right_the_limit_lies_below():
     low, _ = summary_of([made_up("point_mass", 6 * n) for n in range(3)], "reported")["detection"]["limits"]
     assert low["is_least"]
