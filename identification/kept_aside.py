@@ -54,9 +54,13 @@ def kept_aside(session: Session, given: Hypothesis, updated: Hypothesis, records
         scores = {"updated": score(evaluator, known)}
         judged = _judged(evaluator, known)
     except ArithmeticError as lost:
-        told = f"{_model(updated)} does not predict what was kept aside; what was learnt does not hold there: {lost}"
+        if len(records) > 1:
+            alone = [kept_aside(session, given, updated, [record]) for record in records]
+            return KeptAside(missed={name: told for each in alone for name, told in each.missed.items()})
+        name = records[0].name
+        told = f"{_model(updated)} does not predict {name}, kept aside; what was learnt does not hold there: {lost}"
         session.decide(told)
-        return KeptAside(missed={record.name: told for record in records})
+        return KeptAside(missed={name: told})
     try:
         scores = {"as given": score(evaluator, with_starts(evaluator, given)), **scores}
     except ArithmeticError as lost:

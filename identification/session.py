@@ -74,6 +74,7 @@ class Session:
     _ended: tuple[Evaluator, Fit, Fit] | None = None
     _out: tuple[Fit, bool] | None = None
     _carried: tuple[Evaluator, Hypothesis, Evaluator] | None = None
+    _held: tuple[Evaluator, Hypothesis, bool] | None = None
 
     def __post_init__(self) -> None:
         self._as_given = self.everything
@@ -93,10 +94,12 @@ class Session:
         """Whether a model's motion stays finite through whole records; what was fitted is a part of them.
 
         Args:
-            hypothesis: the model.
+            hypothesis: the model; the answer for the last one asked of is kept.
         """
-        (residual,) = self.everything.residuals([(hypothesis, None)])
-        return residual is not None
+        if self._held is None or self._held[0] is not self.everything or self._held[1] is not hypothesis:
+            (residual,) = self.everything.residuals([(hypothesis, None)])
+            self._held = self.everything, hypothesis, residual is not None
+        return self._held[2]
 
     def decide(self, text: str) -> None:
         """Keep and tell a decision."""

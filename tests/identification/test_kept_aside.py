@@ -87,7 +87,19 @@ def test_a_model_that_runs_away_does_not_hold():
 
     assert set(kept.missed) == {"loud"}
     assert dict(kept.scores) == {}
-    assert decisions[0].startswith("the updated model does not predict what was kept aside")
+    assert decisions[0].startswith("the updated model does not predict loud, kept aside")
+
+
+def test_a_model_that_runs_away_on_one_record_is_judged_on_the_others():
+    loud, _ = measured(TRUTH, multisine(4096, rms=200.0), name="loud")
+    low, _ = measured(TRUTH, multisine(4096, rms=0.1), name="low")
+    runaway = TRUTH.with_effects(QuadraticStiffness(Place(), stiffness=-4e8))
+
+    kept, decisions = judged(runaway, loud, low)
+
+    assert set(kept.missed) == {"loud"}
+    assert dict(kept.scores) == {}  # a score over all of them there is none
+    assert any(told.startswith("on low, kept aside, ") and told.endswith("holds there") for told in decisions)
 
 
 def test_a_rig_as_given_that_runs_away_takes_nothing_from_what_was_learnt():
