@@ -12,7 +12,7 @@ from identification.diagnose import diagnose
 from models.effects import entry_of
 from models.rig import Beam
 from testbed.hidden_effects.cases import Case, draw_case
-from testbed.hidden_effects.judge import judged
+from testbed.hidden_effects.judge import judged, rig_numbers
 from testbed.hidden_effects.plan import Task
 from testbed.hidden_effects.trials import HELD, LEARNT
 from testbed.loop import diagnosis_json
@@ -72,7 +72,7 @@ def described(case: Case) -> Json:
         "turned_down": case.turned_down,
         "noise_nrmse": case.noise_nrmse,
         "rig": case.rig.model_dump(mode="json", exclude_none=True),
-        "built": {parameter.path: parameter.value for parameter in case.truth.built.parameters()},
+        "built": _built(case),
         "records": {
             record.name: {"fs": record.fs, "seconds": record.duration, "force_rms": float(record.excitation.std())}
             for record in (*case.records, case.holdout)
@@ -97,6 +97,7 @@ def diagnosed(case: Case, threads: int) -> Json:
     errors = content["holdout"]
     return {
         "judged": judged_case(case, content),
+        "rig_numbers": rig_numbers(found.rig_estimates, _built(case)),
         "calibrated_ratio": calibrated.score.nrmse / learnt**0.5,
         "held_out": {
             "before": errors["as given"] / noise,
@@ -107,6 +108,11 @@ def diagnosed(case: Case, threads: int) -> Json:
         },
         "diagnosis": content,
     }
+
+
+def _built(case: Case) -> dict[str, float]:
+    """The numbers that the rig truly has, by path."""
+    return {parameter.path: parameter.value for parameter in case.truth.built.parameters()}
 
 
 def judged_case(case: Case, diagnosis: Json) -> Json:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
+from identification.result import Estimate
 from testbed.hidden_effects.plan import NOTHING, OUTSIDE, TWO
 from testbed.outputs import Json
 
@@ -76,6 +77,22 @@ def numbers(found: Json, truth: Json) -> list[Json]:
             rows.append(
                 {"kind": truth["kind"], "name": name, "value": value, "std": std, "true": true, "inside": inside}
             )
+    return rows
+
+
+def rig_numbers(estimates: Sequence[Estimate], built: Mapping[str, float]) -> list[Json]:
+    """Value, standard deviation and truth of every calibrated number of the rig.
+
+    Args:
+        estimates: of the diagnosis.
+        built: the true numbers, by path.
+    """
+    rows: list[Json] = []
+    for estimate in estimates:
+        value, std, true = estimate.value, estimate.std, built[estimate.name]
+        if isinstance(value, float) and isinstance(std, float):
+            inside = abs(value - true) <= NORMAL_95 * std
+            rows.append({"name": estimate.name, "value": value, "std": std, "true": true, "inside": inside})
     return rows
 
 

@@ -130,7 +130,7 @@ def page_of(summary: Json, explained: Mapping[str, str], command: str) -> str:
             lines += _by_what_is_left(summary["by_what_is_left"])
         if name == "detection" and _is_drawn(summary, name):
             lines += ["", DETECTED, *_by_size(summary["detection"])]
-    lines += ["", "## Numbers", "", *_numbers(summary["numbers"])]
+    lines += ["", "## Numbers", "", *_numbers(summary["numbers"]), *_of_rigs(summary["rig_numbers"])]
     missed = sorted(summary["misses"], key=lambda row: (str(row["kind"]) in (NOTHING, OUTSIDE), row["case"]))
     lines += ["", "## Missed, one by one", "", *_misses(missed, explained)]
     lines += ["", "## Right, but far from the noise", "", FARTHEST, *_misses(summary["farthest"], explained)]
@@ -278,6 +278,13 @@ def _numbers(numbers: Json) -> Iterator[str]:
         if row["count"]:
             error = "" if row["error_median"] is None else f"{row['error_median']:.2%}"
             yield f"| {name} | {row['count']} | {row['inside_share']:.0%} | {error} | {row['pull_median']:.2g} |"
+
+
+def _of_rigs(numbers: Json) -> Iterator[str]:
+    if numbers["count"]:
+        yield ""
+        yield "Numbers of the rig itself, in right cases of batches that told them: inside their intervals of 95 %"
+        yield f"{numbers['inside']} of {numbers['count']}, in {numbers['cases']} cases."
 
 
 def _misses(misses: list[Json], explained: Mapping[str, str]) -> Iterator[str]:

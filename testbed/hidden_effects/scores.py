@@ -72,6 +72,7 @@ def summary_of(cases: Sequence[Json], case_set: str) -> Json:
         "located": located([case for case in done if len(case["hidden"]) == 1]),
         "located_since": located([c for c in done if len(c["hidden"]) == 1 and c["seed"] >= LOCATED_ANEW]),
         "contradicted": {name: contradicted(group) for name, group in groups.items()},
+        "rig_numbers": rig_numbers([case for case in done if case["judged"]["right"]]),
         "detection": detection([c for c in done if class_of(c) == ONE]),
         "farthest": [_miss(case) for case in farthest(done)],
         "misses": [_miss(case) for case in cases if "judged" not in case or not case["judged"]["right"]],
@@ -246,6 +247,17 @@ def contradicted(cases: Sequence[Json]) -> Json:
     """
     told = [case for case in cases if "of_calibrated" in case.get("diagnosis", {}).get("where", {})]
     return {"cases": len(told), "found": sum(bool(case["diagnosis"]["where"]["of_calibrated"]) for case in told)}
+
+
+def rig_numbers(cases: Sequence[Json]) -> Json:
+    """How many calibrated numbers of the rig itself lie inside their intervals.
+
+    Args:
+        cases: right; those whose batch did not tell it yet, or whose law the library does not hold, are left out.
+    """
+    told = [case for case in cases if "rig_numbers" in case and class_of(case) != CLASSES[OUTSIDE]]
+    rows = [row for case in told for row in case["rig_numbers"]]
+    return {"cases": len(told), "count": len(rows), "inside": sum(row["inside"] for row in rows)}
 
 
 def _true_place(case: Json) -> float | None:

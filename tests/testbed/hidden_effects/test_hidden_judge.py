@@ -1,6 +1,7 @@
 import pytest
 
-from testbed.hidden_effects.judge import judged
+from identification.result import Estimate
+from testbed.hidden_effects.judge import judged, rig_numbers
 
 SLEEVES, LENGTH = {"sleeve 1": 0.45, "sleeve 2": 1.0}, 1.469
 FILM = {"kind": "squeeze_film", "sleeve": "sleeve 2", "parameters": {}}
@@ -97,3 +98,11 @@ def test_what_was_not_fitted_and_what_was_found_wrongly_have_no_numbers():
     assert scored(diagnosis(width), {"kind": "point_damping", "position": 0.8, "width": 0.05})["numbers"] == []
     wrong = dashpot(0.2, damping={"value": 10.0, "std": 1.0, "unit": "N s/m"})
     assert scored(diagnosis(wrong), {"kind": "point_damping", "position": 0.8, "damping": 10.0})["numbers"] == []
+
+
+def test_numbers_of_the_rig_are_held_against_the_rig_that_was_built():
+    found = [Estimate("youngs_modulus", 2.02e11, 0.01e11, "Pa"), Estimate("sleeves[0].clearance", 1e-4, 1e-6, "m")]
+    inside, outside = rig_numbers(found, {"youngs_modulus": 2.005e11, "sleeves[0].clearance": 1.03e-4})
+
+    assert inside == {"name": "youngs_modulus", "value": 2.02e11, "std": 0.01e11, "true": 2.005e11, "inside": True}
+    assert not outside["inside"]

@@ -149,6 +149,15 @@ def test_the_detection_limit_is_the_size_from_which_on_nine_of_ten_are_right():
     assert high["ratio"] is None
 
 
+def test_numbers_of_the_rig_count_where_the_diagnosis_is_right():
+    told = [made_up("point_mass", n, right=n < 2, rig_numbers=[{"inside": n == 0}]) for n in range(3)]
+    outside = made_up("outside", 0, rig_numbers=[{"inside": True}])
+    summary = summary_of([*told, outside, made_up("point_mass", 9)], "reported")  # the last batch did not tell it
+
+    assert summary["rig_numbers"] == {"cases": 2, "count": 2, "inside": 1}
+    assert "inside their intervals of 95 %\n1 of 2, in 2 cases." in page_of(summary, {}, "testbed")
+
+
 def test_effects_of_each_size_are_counted_by_their_snr():
     cases = [made_up("point_mass", 6 * n, right=n > 0, ratio=1.5 + n) for n in range(3)]  # all at 40 dB
     summary = summary_of(cases, "reported")
