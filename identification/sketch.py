@@ -216,11 +216,12 @@ def ground_of(evaluator: Evaluator, start: Hypothesis, base: Fit) -> Ground:
     """
     shared = concerning(base, evaluator)
     slopes = fit(evaluator, start, shared, max_iterations=0).jacobian
-    bare = min(
+    near = min(
         fit(evaluator, start, shared, max_iterations=ITERATIONS, jacobian=slopes, tolerance=TOLERANCE),
         fit(evaluator, base.hypothesis, shared, max_iterations=0, jacobian=slopes),
         key=lambda f: f.cost,
     )
+    bare = fit(evaluator, near.hypothesis, shared, max_iterations=ITERATIONS_FOLLOWED, tolerance=TOLERANCE)
     return Ground(evaluator, slopes, bare)
 
 
