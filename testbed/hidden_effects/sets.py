@@ -244,9 +244,13 @@ REPORTED = CaseSet(
         ),
         27983: Batch(
             "e720217",
-            taught="nothing so far: all are right",
-            run="Not ended: the clock stopped it at outside-4, to go on from there by the same diagnosis.",
+            76,
+            "numbers of the rig alone that were not fitted to their end, so that suspects that had gone astray did not "
+            "seem to",
+            run="Run in two parts by the same diagnosis; between them was mended what is judged by the next batch. "
+            "Ended by hand when some of its misses had been looked into, once the cases then at work had ended.",
         ),
+        29017: Batch("d39376f"),
     },
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),
