@@ -105,7 +105,9 @@ def _given(detail: ErrorDetails) -> str:
 def _breach(detail: ErrorDetails) -> Words:
     mend = _term(detail).mend
     if detail["loc"][0] == "tolerances" and not isinstance(detail["input"], dict):
-        mend = f"for 3 % write {_path(_location(detail)[1:])} = 0.03; leave out what is certain"
+        key = _path(_location(detail)[1:])
+        written = f'"{key}"' if "." in key else key
+        mend = f"for 3 % write {written} = 0.03; leave out what is certain"
     return _given(detail), _term(detail).rule, mend
 
 

@@ -63,6 +63,12 @@ def read_file(path: Path) -> AnyRecording:
     Raises:
         InputError: there is no such file, it is a directory, or its content is not what the suffix says.
     """
+    if path == Path():
+        raise InputError(
+            "the record '.', or one without a name",
+            "a record is a file",
+            "name it; is a variable of the shell not set?",
+        )
     if path.is_dir():
         raise InputError(f"{path}: is a directory", "a record is a file", "name the files inside it")
     form = format_of(path)

@@ -1,6 +1,7 @@
 """Files that must not be read, each with what its owner has to be told."""
 
 import re
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -154,6 +155,7 @@ ALWAYS = {
         lambda folder: (folder / "f.csv", (folder / "f.csv").mkdir())[0],
         ["f.csv: is a directory", "files inside it"],
     ),
+    "no name": (lambda _: Path(), ["without a name", "variable of the shell"]),
     "suffix": (content("bad.xlsx", b"x"), ["bad.xlsx", '".xlsx"', ".csv", ".uff"]),
     "near suffix": (content("bad.uf", b"x"), ["bad.uf", "rename it to .uff"]),
     "folder without suffix": (lambda folder: folder, ["is a directory"]),
