@@ -198,11 +198,13 @@ class Ground:
     Attributes:
         evaluator: that part.
         slopes: (n_unknowns, n_data) Jacobian of the model without a suspect, where the sketches begin.
-        bare: the best fit of that model.
+        quick: that model after as few steps as a sketch takes, which its share is of.
+        bare: the same followed for as many steps as a suspect that is followed.
     """
 
     evaluator: Evaluator
     slopes: FloatArray
+    quick: Fit
     bare: Fit
 
 
@@ -216,13 +218,13 @@ def ground_of(evaluator: Evaluator, start: Hypothesis, base: Fit) -> Ground:
     """
     shared = concerning(base, evaluator)
     slopes = fit(evaluator, start, shared, max_iterations=0).jacobian
-    near = min(
+    quick = min(
         fit(evaluator, start, shared, max_iterations=ITERATIONS, jacobian=slopes, tolerance=TOLERANCE),
         fit(evaluator, base.hypothesis, shared, max_iterations=0, jacobian=slopes),
         key=lambda f: f.cost,
     )
-    bare = fit(evaluator, near.hypothesis, shared, max_iterations=ITERATIONS_FOLLOWED, tolerance=TOLERANCE)
-    return Ground(evaluator, slopes, bare)
+    bare = fit(evaluator, quick.hypothesis, shared, max_iterations=ITERATIONS_FOLLOWED, tolerance=TOLERANCE)
+    return Ground(evaluator, slopes, quick, bare)
 
 
 def sketched(
@@ -248,7 +250,7 @@ def sketched(
         else:
             alone = _tried(evaluator, suspect, own, ITERATIONS_ALONE)
             found = alone and _tried(evaluator, alone.hypothesis, unknowns, ITERATIONS, ground.slopes)
-        return Sketch(ground.bare, found, suspect.effects[-1]) if found else None
+        return Sketch(ground.quick, found, suspect.effects[-1]) if found else None
 
     return by_share([sketch for sketch in in_parallel(ground.evaluator.jobs, one, suspects) if sketch])
 

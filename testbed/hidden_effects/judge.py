@@ -85,12 +85,12 @@ def rig_numbers(estimates: Sequence[Estimate], built: Mapping[str, float]) -> li
 
     Args:
         estimates: of the diagnosis.
-        built: the true numbers, by path.
+        built: the true numbers, by path; of what it lacks nothing is told.
     """
     rows: list[Json] = []
     for estimate in estimates:
-        value, std, true = estimate.value, estimate.std, built[estimate.name]
-        if isinstance(value, float) and isinstance(std, float):
+        value, std, true = estimate.value, estimate.std, built.get(estimate.name)
+        if isinstance(value, float) and isinstance(std, float) and true is not None:
             inside = abs(value - true) <= NORMAL_95 * std
             rows.append({"name": estimate.name, "value": value, "std": std, "true": true, "inside": inside})
     return rows

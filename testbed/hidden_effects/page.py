@@ -230,8 +230,9 @@ def _counts(summary: Json) -> Iterator[str]:
         yield f"in {place['near']}; the interval held it in {place['inside']}."
     since = summary["located_since"]
     if since["told"]:
-        yield f"From seed {LOCATED_ANEW} on the interval holds all places that explain as much: there the place was"
-        yield f"that near in {since['near']} of {since['told']}, and the interval held it in {since['inside']}."
+        yield f"From seed {LOCATED_ANEW} on the interval holds all places that explain as much: there a place was"
+        yield f"told in {since['told']} of {since['cases']} cases, that near in {since['near']} of them, and the"
+        yield f"interval held it in {since['inside']}."
     told = {name: row for name, row in summary["contradicted"].items() if row["cases"]}
     if told:
         yield "Where nothing is added, something speaks against one set of numbers within the tolerances (a number that"
@@ -284,7 +285,8 @@ def _of_rigs(numbers: Json) -> Iterator[str]:
     if numbers["count"]:
         yield ""
         yield "Numbers of the rig itself, in right cases of batches that told them: inside their intervals of 95 %"
-        yield f"{numbers['inside']} of {numbers['count']}, in {numbers['cases']} cases."
+        yield f"{numbers['inside']} of {numbers['count']}, in {numbers['cases']} cases. An interval is no wider than"
+        yield "the tolerance, so that numbers of which the records tell nothing count too, by what their owner knew."
 
 
 def _misses(misses: list[Json], explained: Mapping[str, str]) -> Iterator[str]:

@@ -245,8 +245,8 @@ REPORTED = CaseSet(
         27983: Batch(
             "e720217",
             76,
-            "numbers of the rig alone that were not fitted to their end, so that suspects that had gone astray did not "
-            "seem to",
+            "numbers of the rig alone that were followed for five steps only, so that suspects that had gone astray "
+            "did not seem to",
             run="Run in two parts by the same diagnosis; between them was mended what is judged by the next batch. "
             "Ended by hand when some of its misses had been looked into, once the cases then at work had ended.",
         ),

@@ -67,7 +67,7 @@ def read_file(path: Path) -> AnyRecording:
         raise InputError(
             "the record '.', or one without a name",
             "a record is a file",
-            "name it; is a variable of the shell not set?",
+            "name the files inside the folder; or is a variable of the shell not set?",
         )
     if path.is_dir():
         raise InputError(f"{path}: is a directory", "a record is a file", "name the files inside it")

@@ -159,11 +159,6 @@ BAD_EDITS = [
             'above 0 and up to 1; for 3 % write "sleeves.clearance" = 0.03; leave out what is certain'
         ),
     ),
-    (
-        'clearance" = 0.03',
-        'clearance" = 3',
-        'tolerances."sleeves.clearance" = 3; a tolerance is one standard...',
-    ),
     ('clearance" = 0.03', 'clearance" = nan', 'tolerances."sleeves.clearance" = nan; a tolerance is one...'),
     (
         'name = "sleeve 2"',

@@ -244,7 +244,9 @@ def test_places_are_counted_apart_since_their_intervals_hold_what_explains_as_mu
     summary = summary_of(cases, "reported")
 
     assert (summary["located"]["told"], summary["located_since"]["told"]) == (2, 1)
-    assert "near in 1 of 1, and the interval held it in 1." in page_of(summary, {}, "testbed")
+    assert "told in 1 of 1 cases, that near in 1 of them, and the\ninterval held it in 1." in page_of(
+        summary, {}, "testbed"
+    )
 
 
 def test_an_effect_at_a_sleeve_is_where_the_sleeve_is():
