@@ -73,10 +73,7 @@ def numbers(found: Json, truth: Json) -> list[Json]:
     for name, about in found["parameters"].items():
         value, std, true = about["value"], about["std"], truth.get(name)
         if isinstance(true, int | float) and isinstance(value, int | float) and std:
-            inside = abs(value - true) <= NORMAL_95 * std
-            rows.append(
-                {"kind": truth["kind"], "name": name, "value": value, "std": std, "true": true, "inside": inside}
-            )
+            rows.append({"kind": truth["kind"], **_number(name, value, std, true)})
     return rows
 
 
@@ -91,9 +88,14 @@ def rig_numbers(estimates: Sequence[Estimate], built: Mapping[str, float]) -> li
     for estimate in estimates:
         value, std, true = estimate.value, estimate.std, built.get(estimate.name)
         if isinstance(value, float) and isinstance(std, float) and true is not None:
-            inside = abs(value - true) <= NORMAL_95 * std
-            rows.append({"name": estimate.name, "value": value, "std": std, "true": true, "inside": inside})
+            rows.append(_number(estimate.name, value, std, true))
     return rows
+
+
+def _number(name: str, value: float, std: float, true: float) -> Json:
+    """A number beside the true one, and whether its interval of 95 % holds that."""
+    inside = abs(value - true) <= NORMAL_95 * std
+    return {"name": name, "value": value, "std": std, "true": true, "inside": inside}
 
 
 class _Beam:
