@@ -12,11 +12,14 @@ from testbed.hidden_effects.plan import Task
 from testbed.hidden_effects.proposed import run_proposed
 from testbed.hidden_effects.proposed_page import proposed_page, proposed_summary
 from testbed.hidden_effects.run import CASES, PAGE, SUMMARY, path_of, run_missing
+from testbed.hidden_effects.sets import SETS
 from testbed.outputs import Json, json_text, staged
 
 
 def with_a_group(results: Path) -> tuple[Task, ...]:
-    """The cases in which the diagnosis stated a group, in order of their names.
+    """The cases in which the diagnosis stated a group: the newest batch first, in it by name.
+
+    What a diagnosis of long ago could not tell apart, today's may.
 
     Args:
         results: folder that ``testbed benchmark hidden-effects`` wrote.
@@ -34,6 +37,8 @@ def with_a_group(results: Path) -> tuple[Task, ...]:
             "a folder of testbed benchmark hidden-effects, with cases in which effects cannot be told apart",
             "name the folder that holds cases/ and summary.json, or run that benchmark first",
         )
+    batches = [(name, seed) for name, each in SETS.items() for seed in each.batches]
+    grouped.sort(key=lambda case: (-batches.index((case["set"], case["seed"])), case["case"]))
     return tuple(Task(case["set"], case["seed"], case["kind"], case["number"]) for case in grouped)
 
 

@@ -19,6 +19,7 @@ from testbed.hidden_effects.plan import Task
 from testbed.hidden_effects.proposed import carried_out, carrier, proposed, run_proposed
 from testbed.hidden_effects.proposed_page import proposed_page, proposed_summary
 from testbed.hidden_effects.proposed_run import run_next_experiments, with_a_group
+from testbed.hidden_effects.sets import REPORTED
 from testbed.outputs import keep_json
 
 TASK = Task("reported", 1, "point_mass", 0)
@@ -140,8 +141,8 @@ def test_tests_that_part_are_counted_apart_from_those_that_cannot():
     assert "`reported-1-point_mass-4` failed: ValueError: nobody knows." in page
 
 
-def with_group(number, groups):
-    case = made_up("point_mass", number)
+def with_group(number, groups, **more):
+    case = made_up("point_mass", number, **more)
     return case | {"diagnosis": case["diagnosis"] | {"indistinguishable": groups}}
 
 
@@ -166,6 +167,14 @@ def test_cases_with_a_stated_group_are_run_once(tmp_path):
     assert told[-1] == "2 of 2 cases are there, 0 to do"
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["expected to part"]["cases"] == 2
     assert (tmp_path / "out" / "README.md").read_text().startswith("# The next experiment")
+
+
+def test_the_newest_batch_is_taken_first(tmp_path):
+    seeds = list(REPORTED.batches)
+    for seed in (seeds[0], seeds[-1], seeds[-2]):
+        case = with_group(0, [GROUP], seed=seed)
+        keep_json(tmp_path / "cases" / f"{case['case']}.json", case)
+    assert [task.seed for task in with_a_group(tmp_path)] == [seeds[-1], seeds[-2], seeds[0]]
 
 
 def test_a_folder_without_groups_is_refused(tmp_path, capsys):
