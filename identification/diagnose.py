@@ -21,7 +21,7 @@ from identification.alone import one_alone
 from identification.anew import looked_for_anew
 from identification.assess import with_starts
 from identification.calibrate import calibrate, strained, unknowns_of
-from identification.carried import carried_by_best, carried_by_calibrated
+from identification.carried import carried_by_best, carried_by_calibrated, excused
 from identification.conclude import concluded, one_set_of_numbers, settled
 from identification.established import NO_SIZE
 from identification.evidence import Ranked
@@ -109,7 +109,7 @@ def diagnose(
         chain, rounds, ranked, better = _looked(session, chain, rounds)
         if better is not None and not chain[-1].hypothesis.effects:
             session.decide(f"a better calibration was found on the way: residual {better.ratio:.2f} times the noise")
-            learnt = relearn(session, better)
+            learnt = relearn(session, excused(session, better))
             chain = [learnt]
             stages[-1] = session.stage("calibrated", learnt.hypothesis)
             if is_enough(session, learnt):

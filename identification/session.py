@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import inf
+from math import inf, sqrt
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from identification.calibrate import strained, unknowns_of
 from identification.consistency.find import pushed_out
 from identification.evaluate import Evaluator, Target, TimeTarget, carry_noise
 from identification.fit import Fit, fit, fit_to_its_end
-from identification.hypothesis import Hypothesis, effect_unknowns
+from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
 from identification.prepare import LEAST_TORN, Horizon, cut_to, horizons, resolved
 from identification.progress import Progress
 from identification.reached import NOISE_REACHED, reaches_noise
@@ -34,6 +34,9 @@ CLEARLY_LESS = 0.8
 
 CLEARLY_LOUDER = 1.05
 """Times the noise so far; less would change no verdict."""
+
+DRAWN_RIGS = 6
+"""Within the tolerances, whose trembling at a noisy force is asked for beside the given rig's."""
 
 REALISATIONS = 16
 """Of noise that impacts amplify: where it is large, four tell its power to a third only."""
@@ -136,6 +139,18 @@ class Session:
             self._carried = self.everything, hypothesis, self.everything.with_targets(carried)
         return self._carried[2]
 
+    def no_louder(self, carried: Sequence[Target], hypothesis: Hypothesis) -> Evaluator:
+        """All records with the excitation's noise as a model carries it, no louder than the rig may.
+
+        A model that trembles at anything would excuse itself.
+
+        Args:
+            carried: the records with the noise as the model carries it.
+            hypothesis: the model.
+        """
+        pairs = zip(carried, self._carried_by_rigs(hypothesis), strict=True)
+        return self.everything.with_targets([_quieter(*pair) for pair in pairs])
+
     def to_the_end(self, result: Fit) -> Fit:
         """A fit of everything that can be predicted: in a flat valley intervals are right only at its bottom.
 
@@ -233,13 +248,9 @@ class Session:
         return True
 
     def _is_noise_of(self, ended: Fit, result: Fit) -> bool:
-        """Whether what is left of everything is the force's noise as this model carries it, which counts from now on.
-
-        No more of it than the rig as given carries: a model that trembles at anything would excuse itself.
-        """
+        """Whether what is left of everything is the force's noise as this model carries it; that counts from now on."""
         carried = carry_noise(self.everything, ended.hypothesis, np.random.default_rng(self.seed))
-        pairs = zip(carried, self._as_given.targets, strict=True)
-        louder = self.everything.with_targets([_no_louder(*pair) for pair in pairs])
+        louder = self.no_louder(carried, ended.hypothesis)
         if louder.nrmse_of_noise <= CLEARLY_LOUDER * self.everything.nrmse_of_noise:
             return False
         before, self.everything = self.everything, louder
@@ -253,6 +264,26 @@ class Session:
             f"{before.nrmse_of_noise:.2%}: all {self.all_predicted.extent} are explained"
         )
         return True
+
+    def _carried_by_rigs(self, hypothesis: Hypothesis) -> list[Target]:
+        """Each record with the excitation's noise as the loudest of a few rigs within the tolerances carries it.
+
+        One rig whose sleeves are struck a little sooner tears motions apart that the given one keeps together.
+
+        Args:
+            hypothesis: with the numbers of the records' own.
+        """
+        rng, most = np.random.default_rng(self.seed), list(self._as_given.targets)
+        for _ in range(DRAWN_RIGS):
+            rig = replace(hypothesis, effects=())
+            for unknown in rig_unknowns(rig.rig):
+                rig = unknown.set(rig, rng.standard_normal())
+            try:
+                drawn = carry_noise(self.everything, rig, rng)
+            except ArithmeticError:  # it runs away
+                continue
+            most = [max(pair, key=lambda target: target.nrmse_of_noise) for pair in zip(most, drawn, strict=True)]
+        return most
 
     def kinds_at_a_place(self, rig: Rig) -> Registry:
         """Kinds that may stand in another's place: not those that act over whole records, or on channels.
@@ -287,12 +318,12 @@ class Session:
         return self.everything.with_settings(coarse.settings)
 
 
-def _no_louder(now: Target, given: Target) -> Target:
-    """A target with the noise that it has, or with what the other one has of the excitation's, where that is less."""
-    if not (isinstance(now, TimeTarget) and isinstance(given, TimeTarget)):
+def _quieter(now: Target, loudest: Target) -> Target:
+    """A target with the excitation's noise that it has, scaled down to the power of another's where it has more."""
+    if not (isinstance(now, TimeTarget) and isinstance(loudest, TimeTarget)):
         return now
-    capped = now.with_carried(given.carried) if len(given.carried) else now.with_noise(now.noise)
-    return min(now, capped, key=lambda target: target.nrmse_of_noise)
+    most, own, sensors = (t.nrmse_of_noise**2 for t in (loudest, now, now.with_noise(now.noise)))
+    return now if own <= most else now.with_carried(sqrt(max(0.0, most - sensors) / (own - sensors)) * now.carried)
 
 
 def _no_less(found: Sequence[Horizon], followed: Mapping[str, float]) -> list[Horizon]:

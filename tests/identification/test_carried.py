@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from trial_records import REFERENCE, evaluator_of, measured, multisine
 
-from identification.carried import carried_by_best, louder_by
+from identification.carried import carried_by_best, excused, louder_by
 from identification.evaluate import carry_noise
 from identification.evidence import Ranked
 from identification.fit import fit
-from identification.hypothesis import Hypothesis, effect_unknowns
-from identification.reached import is_faint
+from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
+from identification.reached import NOISE_REACHED, is_faint
 from identification.session import Session
 from models.effects import EFFECTS, Place
 from models.effects.modal_damping import ModalDamping
@@ -67,3 +67,51 @@ def test_what_has_not_explained_the_rest_excuses_nothing(heard):
     assert louder_by(session, found, found) is None
     assert carried_by_best(session, [base, imitation], [[]]) == ([base, imitation], [[]])
     assert session.decisions == []
+
+
+LOOSE = Hypothesis(REFERENCE.model_copy(update={"sleeves": (), "tolerances": {"rayleigh_damping": 0.8}}))
+"""A rig of which the owner hardly knows the damping."""
+
+RINGS_LONGER = {parameter.path: 0.25 * parameter.value for parameter in LOOSE.rig.parameters()}
+"""Within its tolerance."""
+
+
+def calibrated(*effects):
+    """A session on the noise as the given rig carries it, half of that of the true one; its rig's numbers, fitted."""
+    truth = Hypothesis(LOOSE.rig, RINGS_LONGER, effects=effects)
+    evaluator = evaluator_of(measured(truth, multisine(8192, rms=4.0), force_noise=0.2), rig=LOOSE.rig)
+    evaluator = evaluator.with_targets(carry_noise(evaluator, LOOSE, np.random.default_rng(0)))
+    return session_of(evaluator), fit(evaluator, LOOSE, rig_unknowns(LOOSE.rig), precise=True)
+
+
+def test_what_a_calibrated_model_leaves_may_be_the_forces_noise_as_it_carries_it():
+    session, found = calibrated()
+    given = session.fitting.nrmse_of_noise
+    assert found.ratio > NOISE_REACHED
+
+    again = excused(session, found)
+
+    assert again.ratio < NOISE_REACHED
+    assert session.fitting.nrmse_of_noise > 1.5 * given
+    assert "as the calibrated model carries it" in session.decisions[-1]
+    assert excused(session, again) is again
+
+
+def test_a_calibrated_model_that_lacks_an_effect_is_not_excused():
+    session, found = calibrated(PointMass(Place(position=0.7), mass=0.02))
+    before = session.fitting
+
+    assert excused(session, found) is found
+
+    assert session.fitting is before
+    assert session.decisions == []
+
+
+def test_a_model_whose_numbers_left_their_tolerances_is_not_excused(monkeypatch):
+    session, found = calibrated()
+    monkeypatch.setattr(Session, "left_tolerance", lambda *_: True)
+    before = session.everything, session.fitting
+
+    assert excused(session, found) is found
+
+    assert (session.everything, session.fitting) == before

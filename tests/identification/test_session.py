@@ -39,7 +39,8 @@ def test_a_part_is_enough_where_the_whole_is_explained_too():
 def shaken_session():
     """A session on a force with much noise, none of which is carried through a model, and the same with it."""
     session, part = rising_session(Hypothesis(OSCILLATOR), 1.0, force_noise=0.1)
-    carried = carry_noise(session.everything, part.hypothesis, np.random.default_rng(1))
+    ended = session.to_the_end(part).hypothesis
+    carried = carry_noise(session.everything, ended, np.random.default_rng(session.seed))
     return session, part, session.everything.with_targets(carried)
 
 
@@ -56,8 +57,21 @@ def test_the_noise_that_the_model_itself_carries_makes_no_record_count():
     assert reaches_noise(opened.all_predicted, opened.to_the_end(part))
 
 
-def test_no_more_noise_is_excused_than_the_given_rig_carries():
-    session, part, _ = shaken_session()
+def test_what_rigs_within_the_tolerances_carry_is_excused_where_the_given_one_carries_less():
+    session, part, loud = shaken_session()  # as if the given one carried none
+
+    assert not session.lengthen(part)
+
+    assert session.everything.nrmse_of_noise == pytest.approx(loud.nrmse_of_noise, rel=0.1)
+    assert reaches_noise(session.all_predicted, session.to_the_end(part))
+
+
+def test_no_more_noise_is_excused_than_rigs_within_the_tolerances_carry(monkeypatch):
+    session, part, loud = shaken_session()
+    trembling, quiet = session.to_the_end(part).hypothesis, session.everything.targets
+    monkeypatch.setattr(
+        "identification.session.carry_noise", lambda _, model, *__: loud.targets if model is trembling else quiet
+    )
 
     assert session.lengthen(part)
 
