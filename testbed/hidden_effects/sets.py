@@ -257,7 +257,7 @@ REPORTED = CaseSet(
             run="Ended after eleven cases, all right, when what their readers found had been mended: the next seed "
             "judges that. One case at a time, on two threads.",
         ),
-        30203: Batch("PENDING"),
+        30203: Batch("c869fb0"),
     },
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),
