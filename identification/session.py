@@ -12,6 +12,7 @@ from identification.consistency.find import pushed_out
 from identification.evaluate import Evaluator, Target, TimeTarget, carry_noise
 from identification.fit import Fit, fit, fit_to_its_end
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
+from identification.last_answer import LastAnswer
 from identification.prepare import LEAST_TORN, Horizon, cut_to, horizons, resolved
 from identification.progress import Progress
 from identification.reached import NOISE_REACHED, reaches_noise
@@ -74,10 +75,10 @@ class Session:
     decisions: list[str] = field(default_factory=list)
     relearnt: bool = False
     is_passing: bool = False
-    _ended: tuple[Evaluator, Fit, Fit] | None = None
-    _out: tuple[Fit, bool] | None = None
-    _carried: tuple[Evaluator, Hypothesis, Evaluator] | None = None
-    _held: tuple[Evaluator, Hypothesis, bool] | None = None
+    _ended: LastAnswer[Fit] = field(default_factory=LastAnswer)
+    _out: LastAnswer[bool] = field(default_factory=LastAnswer)
+    _carried: LastAnswer[Evaluator] = field(default_factory=LastAnswer)
+    _held: LastAnswer[bool] = field(default_factory=LastAnswer)
 
     def __post_init__(self) -> None:
         self._as_given = self.everything
@@ -99,10 +100,9 @@ class Session:
         Args:
             hypothesis: the model; the answer for the last one asked of is kept.
         """
-        if self._held is None or self._held[0] is not self.everything or self._held[1] is not hypothesis:
-            (residual,) = self.everything.residuals([(hypothesis, None)])
-            self._held = self.everything, hypothesis, residual is not None
-        return self._held[2]
+        return self._held.about(
+            self.everything, hypothesis, ask=lambda: self.everything.residuals([(hypothesis, None)])[0] is not None
+        )
 
     def decide(self, text: str) -> None:
         """Keep and tell a decision."""
@@ -134,10 +134,12 @@ class Session:
         Args:
             hypothesis: the model.
         """
-        if self._carried is None or self._carried[0] is not self.everything or self._carried[1] is not hypothesis:
-            carried = carry_noise(self.everything, hypothesis, np.random.default_rng(self.seed), REALISATIONS)
-            self._carried = self.everything, hypothesis, self.everything.with_targets(carried)
-        return self._carried[2]
+
+        def carried() -> Evaluator:
+            rng = np.random.default_rng(self.seed)
+            return self.everything.with_targets(carry_noise(self.everything, hypothesis, rng, REALISATIONS))
+
+        return self._carried.about(self.everything, hypothesis, ask=carried)
 
     def no_louder(self, carried: Sequence[Target], hypothesis: Hypothesis) -> Evaluator:
         """All records with the excitation's noise as a model carries it, no louder than the rig may.
@@ -157,10 +159,12 @@ class Session:
         Args:
             result: on a part of the records; that of the last one asked for is kept.
         """
-        if self._ended is None or self._ended[0] is not self.everything or self._ended[1] is not result:
+
+        def ended() -> Fit:
             self._foresee(result.hypothesis)
-            self._ended = self.everything, result, self._fit_of_all(result.hypothesis)
-        return self._ended[2]
+            return self._fit_of_all(result.hypothesis)
+
+        return self._ended.about(self.everything, result, ask=ended)
 
     def _fit_of_all(self, hypothesis: Hypothesis) -> Fit:
         whole = self.all_predicted
@@ -174,7 +178,8 @@ class Session:
         Args:
             calibrated: the model without effects.
         """
-        if self._out is None or self._out[0] is not calibrated:
+
+        def out() -> bool:
             at_end = strained(calibrated)
             out = pushed_out(self.fitting, calibrated, np.random.default_rng(self.seed))
             pardoned = ", ".join(unknown.parameter.label for unknown in at_end if unknown not in out)
@@ -182,8 +187,9 @@ class Session:
                 self.progress(
                     f"{pardoned}: no further out than the tolerance and the force's noise together put it here"
                 )
-            self._out = calibrated, bool(out)
-        return self._out[1]
+            return bool(out)
+
+        return self._out.about(calibrated, ask=out)
 
     def _foresee(self, hypothesis: Hypothesis) -> None:
         """Shorten what is used of the records to what this model predicts, which may part from its neighbours sooner.
@@ -258,7 +264,7 @@ class Session:
         if not reaches_noise(self.all_predicted, again):
             self.everything = before
             return False
-        self._ended = louder, result, again
+        self._ended.keep(louder, result, answer=again)
         self.decide(
             f"the force's noise, as this model carries it, leaves {louder.nrmse_of_noise:.2%} instead of "
             f"{before.nrmse_of_noise:.2%}: all {self.all_predicted.extent} are explained"
