@@ -72,7 +72,11 @@ def excused(session: Session, found: Fit) -> Fit:
         session: its noise is changed where that is so.
         found: a calibrated model.
     """
-    return _excused(session, found, _carried(session, found))
+    try:
+        carried = _carried(session, found)
+    except ArithmeticError:  # beyond what was fitted it runs away, and excuses nothing
+        return found
+    return _excused(session, found, carried)
 
 
 def _carried(session: Session, found: Fit) -> list[Target]:

@@ -115,3 +115,13 @@ def test_a_model_whose_numbers_left_their_tolerances_is_not_excused(monkeypatch)
     assert excused(session, found) is found
 
     assert (session.everything, session.fitting) == before
+
+
+def test_a_model_that_runs_away_excuses_nothing(monkeypatch):
+    session, found = calibrated()
+
+    def lost(*_):
+        raise ArithmeticError
+
+    monkeypatch.setattr("identification.carried.carry_noise", lost)
+    assert excused(session, found) is found
