@@ -11,6 +11,7 @@ from models.drive import Drive, drive_of
 from models.effects.protocol import Measurement
 from models.errors import DivergenceError, InputError
 from models.marching import march_model
+from models.memory import keep_freed_memory
 from models.modal import ModalModel, build_modal
 from models.plant import Plant
 from models.ports import Port
@@ -29,6 +30,8 @@ MOST_STEPS, MOST_STEP_RATE = 64, 65536.0
 
 FORCE_TOLERANCE = 1e-9
 """Change of a force that ends the iteration in a step, as a share of the excitation's peak and the forces at rest."""
+
+keep_freed_memory()
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,10 @@ INTERNAL_TOLERANCE = 1e-12
 LAST_OLD_SLOPE = 1
 """Iterations that use the slope of an earlier step before it is formed anew."""
 
+CONVERGING = 0.1
+"""Of the tolerance, below which the next change is not waited for: as it goes on from the last two, it is their ratio
+times the last. Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, section IV.8."""
+
 LEAST_DETERMINANT, LARGEST_DETERMINANT = 0.1, 1e6
 """Of Newton's 2 x 2 equations; others are met only where a difference straddles the gap's edge."""
 
@@ -273,9 +277,9 @@ def on_structure(normal: float, side: float, bilateral: float) -> float:
 
 @njit(**OPTIONS)
 def reached(reading: Reading, pushed: FloatArray) -> FloatArray:
-    """(n_rows, n_ports) what is read after a step in which unit forces pushed as (n_ports, 2n) says."""
+    """(n_ports, n_rows) what is read after a step in which a unit force pushed a port as (n_ports, 2n) says."""
     first, width = reading.first, reading.rows.shape[1]
-    motion: FloatArray = np.dot(reading.rows, np.ascontiguousarray(pushed[:, first : first + width].T))
+    motion: FloatArray = np.dot(np.ascontiguousarray(pushed[:, first : first + width]), reading.rows.T)
     return motion
 
 
@@ -391,12 +395,16 @@ def march_on(  # noqa: C901, PLR0912, PLR0915
         for i in range(n_ports):
             if port_a[i] != 0.0 or port_b[i] != 0.0:
                 for m in range(n_ports):
-                    q1[m] += q_start[m, i] * port_a[i] + q_end[m, i] * port_b[i]
-                    v1[m] += v_start[m, i] * port_a[i] + v_end[m, i] * port_b[i]
+                    q1[m] += q_start[i, m] * port_a[i] + q_end[i, m] * port_b[i]
+                    v1[m] += v_start[i, m] * port_a[i] + v_end[i, m] * port_b[i]
+        largest = 0.0
         for iteration in range(MAX_ITERATIONS):
-            largest = 0.0
+            previous, largest = largest, 0.0
             for j in range(n_items):
                 i = port_of[j]
+                is_open = is_contact[j] and p0[j] <= 0.0 and a[j] == 0.0 and b[j] == 0.0 and contact[j, 3] == 0.0
+                if is_open and penetration_of(contact, j, t, q1[i], v1[i])[0] <= 0.0:  # to the end, as guessed
+                    continue
                 a_new, b_new, a_by_a, b_by_a, change, unit = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
                 # The motion as it is, then with a little more of the force's start, then of its end.
                 for probe in range(3):
@@ -441,9 +449,9 @@ def march_on(  # noqa: C901, PLR0912, PLR0915
                 port_a[i] += da
                 port_b[i] += db
                 for m in range(n_ports):
-                    q1[m] += q_start[m, i] * da + q_end[m, i] * db
-                    v1[m] += v_start[m, i] * da + v_end[m, i] * db
-            if largest < tolerance:
+                    q1[m] += q_start[i, m] * da + q_end[i, m] * db
+                    v1[m] += v_start[i, m] * da + v_end[i, m] * db
+            if largest < tolerance or largest * largest < CONVERGING * tolerance * previous:
                 break
         for i in range(n_ports):
             if port_a[i] != 0.0 or port_b[i] != 0.0:
