@@ -88,13 +88,13 @@ def onset_of(
 
 
 def goes_on(hypothesis: Hypothesis) -> bool:
-    """Whether a motion tells how it goes on: no law has a memory or a clock, no record a phase or a start of its own.
+    """Whether a motion tells how it goes on: no law has a memory or a clock, no record a phase of its own.
 
     A base that is measured by its velocity or acceleration would begin at rest again.
     """
     plant = hypothesis.plant()
     excitation = plant.excitation
-    if hypothesis.starts or (excitation is not None and excitation.quantity not in ("force", "base_displacement")):
+    if excitation is not None and excitation.quantity not in ("force", "base_displacement"):
         return False
     with_clock = any(effect.family == "time" or effect.record_parameters for effect in plant.effects)
     return not with_clock and all(law.rate is None for law in plant.laws)

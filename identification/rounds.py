@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from identification.calibrate import concerning
+from identification.calibrate import concerning, pulled
 from identification.carried import carried_through, louder_by
 from identification.elsewhere import elsewhere
 from identification.evaluate import Evaluator
@@ -23,6 +23,7 @@ from identification.places_open import with_other_valleys
 from identification.prepare import Horizon, cut_to, followed_long
 from identification.reached import NOISE_REACHED
 from identification.session import Session
+from identification.sketch import afresh
 from identification.tangent_ties import tied
 from models.effects import Registry
 
@@ -68,20 +69,40 @@ def _there(evaluator: Evaluator, model: Hypothesis, base: Fit) -> Fit:
     return fit(evaluator, model, concerning(base, evaluator), max_iterations=1)
 
 
+def _fitted_there(view: View, base: Fit) -> Fit:
+    """The rig's numbers fitted on what is viewed alone, from the calibrated ones and from those that were given."""
+    found = [view.there]
+    for start in (view.there.hypothesis, afresh(view.there.hypothesis)):
+        try:
+            found.append(fit(view.evaluator, start, concerning(base, view.evaluator), max_iterations=LOOK))
+        except ArithmeticError:
+            continue
+    return min(found, key=lambda each: each.cost)
+
+
 def _where_it_shows(session: Session, searching: Evaluator, base: Fit, view: View) -> View:
-    """The view, or, where its seconds show no misfit, as many from where one begins in the records."""
-    if view.there.ratio > NOISE_REACHED or not searching.timed or not goes_on(base.hypothesis):
+    """The view, or, where its seconds show no misfit, as many from where one begins in the records.
+
+    Numbers that what shows later has pulled away leave a misfit where nothing is missing: there they are fitted again.
+    """
+    if not searching.timed or not goes_on(base.hypothesis):
+        return view
+    quiet, model = view.there, base.hypothesis
+    if quiet.ratio > NOISE_REACHED and pulled(base):
+        quiet = _fitted_there(view, base)
+        model = quiet.hypothesis
+    if quiet.ratio > NOISE_REACHED:
         return view
     seen = {target.record.name: target.record.duration for target in view.evaluator.timed}
     try:
-        onset = onset_of(searching, base.hypothesis, session.limits, seen)
+        onset = onset_of(searching, model, session.limits, seen)
     except ArithmeticError:  # beyond what was fitted nothing holds it
         return view
     if onset is None:
         return view
     evaluator = cut_to(onset.evaluator, SCREEN_SECONDS, onset.limits, 2)
     moved = replace(view, evaluator=evaluator, there=_there(evaluator, onset.hypothesis, base), is_late=True)
-    if moved.there.ratio <= max(NOISE_REACHED, view.there.ratio):
+    if moved.there.ratio <= max(NOISE_REACHED, quiet.ratio):
         return view
     names = ", ".join(target.record.name for target in evaluator.timed)
     session.decide(f"the misfit shows late: suspects are looked for in {names} on")

@@ -15,7 +15,9 @@ from trial_records import (
     rising_session,
 )
 
+from identification.calibrate import pulled
 from identification.evaluate import AHEAD
+from identification.fit import fit
 from identification.hypothesis import Hypothesis
 from identification.onset import WINDOW, goes_on, of_whole, onset_of
 from identification.rounds import _view, _where_it_shows
@@ -110,6 +112,25 @@ def test_the_search_moves_to_where_the_misfit_is():
     assert moved.is_late
     assert moved.there.ratio > 2.0 > view.there.ratio
     assert "shows late" in session.decisions[-1]
+
+
+def test_numbers_that_a_late_misfit_has_pulled_away_do_not_hide_that_it_is_late():
+    """Fitted on whole records they leave a misfit from the first, where nothing is missing."""
+    session, early = rising_session(Hypothesis(OSCILLATOR, effects=(HARDENING,)), 1.0)
+    base = fit(session.everything, early.hypothesis, early.unknowns, precise=True)
+    assert pulled(base)
+    view = _view(session.everything, session.limits, base, {"cubic_stiffness": EFFECTS["cubic_stiffness"]}, 1.0, 2)
+    assert view.there.ratio > 1.15
+
+    moved = _where_it_shows(session, session.everything, base, view)
+
+    assert moved.is_late
+    assert not pulled(moved.there)
+    assert moved.there.ratio > 2.0
+
+
+def test_a_record_that_starts_in_motion_goes_on_from_where_it_is():
+    assert goes_on(Hypothesis(OSCILLATOR, starts={"rising": np.array([1e-3, 0.0])}))
 
 
 def test_the_search_stays_where_the_misfit_shows_from_the_first():
