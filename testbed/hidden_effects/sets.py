@@ -265,6 +265,7 @@ REPORTED = CaseSet(
             "seed judges that. The first three had been run on the commit before, of which no more was read than right "
             "or wrong; up to three other processes ran beside the batch on its two cores, so its seconds are too high.",
         ),
+        31151: Batch("f7d72f0"),
     },
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),
