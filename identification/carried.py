@@ -47,7 +47,7 @@ def carried_by_calibrated(session: Session, base: Fit) -> Fit:
         base: the calibrated model.
     """
     carried = _carried(session, base)
-    again = _excused(session, base, carried)
+    again = base if reaches_noise(session.fitting, base) else _excused(session, base, carried)
     if again is not base:
         return again
     pairs = zip(session.everything.targets, carried, strict=True)
@@ -72,6 +72,8 @@ def excused(session: Session, found: Fit) -> Fit:
         session: its noise is changed where that is so.
         found: a calibrated model.
     """
+    if reaches_noise(session.fitting, found):
+        return found
     try:
         carried = _carried(session, found)
     except ArithmeticError:  # beyond what was fitted it runs away, and excuses nothing
@@ -86,7 +88,7 @@ def _carried(session: Session, found: Fit) -> list[Target]:
 def _excused(session: Session, found: Fit, carried: Sequence[Target]) -> Fit:
     louder = session.everything.with_targets(carried)
     parts = session.parts_of(louder)
-    if reaches_noise(session.fitting, found) or _left(parts, found) > NOISE_NEAR:
+    if _left(parts, found) > NOISE_NEAR:
         return found
     again = fit(parts, found.hypothesis, found.unknowns, precise=True)
     before, session.everything, session.fitting = (session.everything, session.fitting), louder, parts

@@ -141,18 +141,6 @@ class Session:
 
         return self._carried.about(self.everything, hypothesis, ask=carried)
 
-    def no_louder(self, carried: Sequence[Target], hypothesis: Hypothesis) -> Evaluator:
-        """All records with the excitation's noise as a model carries it, no louder than the rig may.
-
-        A model that trembles at anything would excuse itself.
-
-        Args:
-            carried: the records with the noise as the model carries it.
-            hypothesis: the model.
-        """
-        pairs = zip(carried, self._carried_by_rigs(hypothesis), strict=True)
-        return self.everything.with_targets([_quieter(*pair) for pair in pairs])
-
     def to_the_end(self, result: Fit) -> Fit:
         """A fit of everything that can be predicted: in a flat valley intervals are right only at its bottom.
 
@@ -254,10 +242,17 @@ class Session:
         return True
 
     def _is_noise_of(self, ended: Fit, result: Fit) -> bool:
-        """Whether what is left of everything is the force's noise as this model carries it; that counts from now on."""
+        """Whether what is left of everything is the force's noise as this model carries it; that counts from now on.
+
+        No more of it than the rig may carry: a model that trembles at anything would excuse itself.
+        """
         carried = carry_noise(self.everything, ended.hypothesis, np.random.default_rng(self.seed))
-        louder = self.no_louder(carried, ended.hypothesis)
-        if louder.nrmse_of_noise <= CLEARLY_LOUDER * self.everything.nrmse_of_noise:
+        least = CLEARLY_LOUDER * self.everything.nrmse_of_noise
+        if self.everything.with_targets(carried).nrmse_of_noise <= least:  # told before rigs are drawn
+            return False
+        pairs = zip(carried, self._carried_by_rigs(ended.hypothesis), strict=True)
+        louder = self.everything.with_targets([_quieter(*pair) for pair in pairs])
+        if louder.nrmse_of_noise <= least:
             return False
         before, self.everything = self.everything, louder
         again = self._fit_of_all(ended.hypothesis)

@@ -31,7 +31,7 @@ MOST_STEPS, MOST_STEP_RATE = 64, 65536.0
 FORCE_TOLERANCE = 1e-9
 """Change of a force that ends the iteration in a step, as a share of the excitation's peak and the forces at rest."""
 
-keep_freed_memory()
+keep_freed_memory()  # for whatever simulates: a command, its workers, a notebook
 
 
 @dataclass(frozen=True)

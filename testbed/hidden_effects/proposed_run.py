@@ -37,8 +37,8 @@ def with_a_group(results: Path) -> tuple[Task, ...]:
             "a folder of testbed benchmark hidden-effects, with cases in which effects cannot be told apart",
             "name the folder that holds cases/ and summary.json, or run that benchmark first",
         )
-    batches = [(name, seed) for name, each in SETS.items() for seed in each.batches]
-    grouped.sort(key=lambda case: (-batches.index((case["set"], case["seed"])), case["case"]))
+    order = {seed: number for each in SETS.values() for number, seed in enumerate(each.batches, 1)}
+    grouped.sort(key=lambda case: (-order.get(case["seed"], 0), case["case"]))  # last those of seeds put aside since
     return tuple(Task(case["set"], case["seed"], case["kind"], case["number"]) for case in grouped)
 
 

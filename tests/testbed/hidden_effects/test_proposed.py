@@ -171,10 +171,10 @@ def test_cases_with_a_stated_group_are_run_once(tmp_path):
 
 def test_the_newest_batch_is_taken_first(tmp_path):
     seeds = list(REPORTED.batches)
-    for seed in (seeds[0], seeds[-1], seeds[-2]):
+    for seed in (1, seeds[0], seeds[-1], seeds[-2]):
         case = with_group(0, [GROUP], seed=seed)
         keep_json(tmp_path / "cases" / f"{case['case']}.json", case)
-    assert [task.seed for task in with_a_group(tmp_path)] == [seeds[-1], seeds[-2], seeds[0]]
+    assert [task.seed for task in with_a_group(tmp_path)] == [seeds[-1], seeds[-2], seeds[0], 1]
 
 
 def test_a_folder_without_groups_is_refused(tmp_path, capsys):
