@@ -367,9 +367,9 @@ def _complete(session: Session, calibrated: Fit) -> str | None:
     """Why nothing is missing in the calibrated model, or None."""
     motion = "" if session.everything.timed else " for small motion about rest"
     if calibrated.ratio <= NOISE_DOUBTED and not session.left_tolerance(calibrated):
-        return f"the calibrated model reaches the noise{motion}"
+        return f"the calibrated model reaches the noise{motion}{session.not_followed}"
     if session.is_passing and not session.left_tolerance(calibrated):
-        return "the calibrated model reaches the noise but for an event that passes"
+        return f"the calibrated model reaches the noise but for an event that passes{session.not_followed}"
     return None
 
 

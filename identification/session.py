@@ -31,7 +31,7 @@ MOST_COARSE = 2.0
 """Times the noise, up to where that share is taken: suspects that come near the noise must still be told apart."""
 
 CLEARLY_LESS = 0.8
-"""Share of the seconds that were fitted of a record, below which a fit of what is predicted is another one."""
+"""Share of the seconds of a record that were fitted, or measured, from which on what is predicted is as much."""
 
 CLEARLY_LOUDER = 1.05
 """Times the noise so far; less would change no verdict."""
@@ -224,6 +224,14 @@ class Session:
     def all_predicted(self) -> Evaluator:
         """All records, each as far as it can be predicted."""
         return cut_to(self.everything, inf, self.limits)
+
+    @property
+    def not_followed(self) -> str:
+        """That clearly less of the time records can be predicted than was measured; empty where all of it can."""
+        used, whole = (sum(target.record.duration for target in e.timed) for e in (self.all_predicted, self.everything))
+        if used >= CLEARLY_LESS * whole:
+            return ""
+        return f"; only {used:.1f} of {whole:.1f} s of records can be followed, and what shows later is not excluded"
 
     def lengthen(self, result: Fit) -> bool:
         """Fit on everything from now on, where the part used so far is explained and the whole is not.

@@ -33,6 +33,8 @@ class Listener:
     class everything:  # noqa: N801
         timed = ("a record",)
 
+    not_followed = ""
+
     def __init__(self, *, is_passing=False, has_left=False, fitting=LOUD, whole=None):
         self.decisions, self.is_passing, self.has_left, self.fitting = [], is_passing, has_left, fitting
         self.all_predicted, self.ended = whole or (fitting, None)

@@ -94,6 +94,7 @@ def test_a_record_is_used_as_far_as_the_model_that_explains_it_sees():
     parting = Hypothesis(OSCILLATOR, effects=(EndStop(Place(), stiffness=1e7, gap=1e-3),))
     session, part = rising_session(parting, 0.5)
     assert part.ratio < 1.15  # the stop is not reached yet
+    assert session.not_followed == ""
     found = fit(session.fitting, parting, part.unknowns, max_iterations=0)
 
     ended = session.to_the_end(found)
@@ -102,6 +103,7 @@ def test_a_record_is_used_as_far_as_the_model_that_explains_it_sees():
     assert ended.n_data < 0.9 * session.everything.n_data
     assert "neighbouring motions part" in session.decisions[-1]
     assert ended.ratio == pytest.approx(1.0, abs=0.1)
+    assert f"{session.limits[0].seconds:.1f} of 4.0 s" in session.not_followed
 
 
 def test_numbers_that_the_forces_noise_pardons_are_asked_for_once_a_calibration(monkeypatch):
