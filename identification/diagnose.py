@@ -30,7 +30,7 @@ from identification.fewer import with_fewer
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis
 from identification.in_all_sleeves import fallen_apart, in_all_sleeves
-from identification.instead import instead_of
+from identification.instead import instead_of, within_tolerances
 from identification.kept_aside import kept_aside
 from identification.outcome import AT_REST_ONLY
 from identification.prepare import cut_to, horizons, prepare
@@ -51,6 +51,10 @@ MOST_EFFECTS = 3
 
 MOST_ROUNDS = 5
 """Of adding an effect and taking out what it made needless."""
+
+AS_WELL = "which explains the records as well"
+WITHIN = "with which the noise is reached and no number of the rig leaves its tolerance"
+"""Why an effect gives way to another."""
 
 FIT_SECONDS = 16.0
 """Of records that are used for refits."""
@@ -261,15 +265,14 @@ def _ended(
         index, why = doubted
         effect = final.hypothesis.effects[index]
         asked[index].add(effect.kind)
-        other = None
-        if why != NO_SIZE:
-            other = instead_of(session, chain[0], final, index, rounds[index], asked[index])
+        look, words = (within_tolerances, WITHIN) if why == NO_SIZE else (instead_of, AS_WELL)
+        other = look(session, chain[0], final, index, rounds[index], asked[index])
         if other is not None:
             now = other.fit.hypothesis.effects[index]
             label = f"{effect.label()} exchanged for {now.label()}"
             if _staged(session, stages, label, other.fit):
                 final, rounds[index] = other.fit, other.ranked
-                session.decide(f"{label}, which explains the records as well: {why}; {now.in_words()}")
+                session.decide(f"{label}, {words}: {why}; {now.in_words()}")
                 continue
         session.decide(f"{effect.label()} taken out again: {why}")
         taken_out = True

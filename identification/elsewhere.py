@@ -40,8 +40,7 @@ def elsewhere(fitting: Evaluator, base: Fit, found: Fit, registry: Registry, n_e
         first, farther = against(found, fitting, beside, tried_with(fitting, bare, other))
         if first is None or farther > RULED_OUT:
             continue
-        there = replace(base, hypothesis=without_last(first.hypothesis))
-        result = refit(fitting, there, first.hypothesis.effects[-1], first.hypothesis.values)
+        result = refit(fitting, beside, first.hypothesis)
         if result is not None:
             fits.append(result)
     return fits

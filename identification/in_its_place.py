@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import inf
 
-from identification.calibrate import Windows, beginning, calibrate, concerning
+from identification.calibrate import WINDOWS, Windows, beginning, calibrate, concerning, strained
 from identification.evaluate import Evaluator
 from identification.evidence import (
     LEAST_EVIDENCE,
@@ -21,12 +21,13 @@ from identification.evidence import (
 )
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, free_place, own_unknowns
-from identification.in_step import tried_with
+from identification.in_step import in_step, tried_with
 from identification.progress import Progress, silent
 from identification.scene import is_same_place, sleeves_of, valley
 from identification.screen import Suspect, promising, survey
 from identification.sketch import TOLERANCE
 from models.effects import Effect, Registry
+from models.plant import contact_of
 from models.rig import Beam
 
 REFIT_WINDOWS: Windows = ((0.35, 2.0),)
@@ -107,6 +108,7 @@ def with_others_there(
         progress: told what is being done.
     """
     rows = with_evidence([*ranked, *_simpler_rows(fitting, base, ranked, registry)])
+    rows = with_evidence([*rows, *_for_far_numbers(fitting, base, rows, registry)])
     rows = with_evidence([*rows, *_of_the_sleeve(fitting, base, rows, registry)])
     return settled_apart(fitting, _with_sleeves(fitting, base, rows), progress)
 
@@ -168,6 +170,24 @@ def _of_the_sleeve(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], regi
     return begun_at_leader(fitting, base, ranked, (s.effect for s in seen if s.effect.place == sleeve))
 
 
+def _for_far_numbers(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], registry: Registry) -> list[Ranked]:
+    """What says of a sleeve what the first one needs a number of it for at the end of its tolerance.
+
+    Nothing in the neighbourhood of such a number shows it: the number itself does all that, but for its end.
+    """
+    rows: list[Ranked] = []
+    for unknown in strained(ranked[0].fit) if ranked else []:
+        leader, path = without_last(ranked[0].fit.hypothesis), unknown.parameter.path
+        within = unknown.set(leader, 0.0)
+        taken = {(part.kind, part.place.sleeve) for effect in leader.effects for part in effect.parts()}
+        for number, place in enumerate(sleeves_of(leader.rig)):
+            contact, key = contact_of(within.updated_rig.sleeves[number]), path.removeprefix(f"sleeves[{number}].")
+            kinds = (kind for name, kind in registry.items() if (name, place.sleeve) not in taken)
+            said = (kind.saying(place, contact, key, leader.values[path]) for kind in kinds)
+            rows += begun_at_leader(fitting, base, ranked, [one for one in said if one is not None], within.values)
+    return rows
+
+
 def seen_at(
     position: float | None, fitting: Evaluator, base: Fit, bare: Hypothesis, registry: Registry, per_kind: int = 1
 ) -> Sequence[Suspect]:
@@ -199,26 +219,47 @@ def without_last(hypothesis: Hypothesis, n_effects: int = 1) -> Hypothesis:
     return replace(hypothesis, effects=hypothesis.effects[:-n_effects])
 
 
-def begun_at_leader(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], effects: Iterable[Effect]) -> list[Ranked]:
-    """Effects begun beside the first one's numbers of the rig, refitted where they come near what it leaves.
+def begun_at_leader(
+    fitting: Evaluator,
+    base: Fit,
+    ranked: Sequence[Ranked],
+    effects: Iterable[Effect],
+    values: Mapping[str, float] | None = None,
+) -> list[Ranked]:
+    """Effects begun beside the first one's numbers of the rig, or others, refitted where they come near what it leaves.
 
     A kind of which a row explains as much as the first is left out; one that is merely near may have been stopped in a
     valley beside its own, or at another place.
     """
     leader, rows = ranked[0].fit, []
-    scale = misfit_of(leader)
+    bare, scale = without_last(leader.hypothesis), misfit_of(leader)
     as_good = {row.effect.kind for row in ranked if log_fit(leader, scale) - log_fit(row.fit, scale) < LEAST_EVIDENCE}
     for effect in effects:
         if effect.kind in as_good:
             continue
-        start = tried_with(fitting, replace(base.hypothesis, values=leader.hypothesis.values), effect)
-        first, farther = against(leader, fitting, base, start)
+        start = replace(base.hypothesis, values=values or bare.values, effects=bare.effects)
+        first, farther = against(leader, fitting, base, _sized(fitting, tried_with(fitting, start, effect)))
         if first is None or farther > RULED_OUT:
             continue
-        result = refit(fitting, base, first.hypothesis.effects[-1], first.hypothesis.values)
+        result = refit(fitting, base, first.hypothesis)
         if result is not None:
             rows.append(Ranked.of(result))
     return rows
+
+
+def _sized(fitting: Evaluator, found: Hypothesis) -> Hypothesis:
+    """The model with its last effect's own numbers where they fit ever longer beginnings best, all others held.
+
+    The others are right already, or nearly so: moved together with a size that is not yet, they go astray, and where
+    neighbouring motions part they do not come back.
+    """
+    own = own_unknowns(found)
+    for window in [beginning(fitting, *each) for each in WINDOWS] if own else []:
+        try:
+            found = fit(window, found, own, max_iterations=ITERATIONS_AGAINST, tolerance=1e-2).hypothesis
+        except ArithmeticError:
+            break
+    return found
 
 
 def _with_sleeves(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked]) -> list[Ranked]:
@@ -240,7 +281,8 @@ def _at_its_sleeve(fitting: Evaluator, base: Fit, found: Ranked, best: Ranked) -
     rig = found.fit.hypothesis.rig
     for place in sleeves_of(rig) if "sleeve" in found.effect.places else ():
         if is_same_place(place, found.effect.place, rig):
-            result = refit(fitting, base, replace(found.effect, place=place), found.fit.hypothesis.values)
+            there = without_last(found.fit.hypothesis).with_effects(replace(found.effect, place=place))
+            result = refit(fitting, base, there)
             if result is not None:
                 yield Ranked.of(result)
 
@@ -268,16 +310,16 @@ def settled_apart(fitting: Evaluator, ranked: list[Ranked], progress: Progress) 
     return reweighed(ranked, [*rows, *(row for row in ranked if row.refitted and row not in close)])
 
 
-def refit(evaluator: Evaluator, base: Fit, effect: Effect, values: Mapping[str, float]) -> Fit | None:
+def refit(evaluator: Evaluator, base: Fit, found: Hypothesis) -> Fit | None:
     """Everything refitted with one more effect; None where the model with it diverges.
 
     Args:
         evaluator: records to fit.
-        base: the model without the effect, for its effects and unknowns.
-        effect: where its fit begins.
-        values: of the rig's numbers there.
+        base: the model without the effect, for its unknowns and the states at the start of records.
+        found: the same effects and one more, with the numbers of the rig and of all effects where the fit begins.
     """
-    hypothesis = tried_with(evaluator, replace(base.hypothesis, values=values), effect)
+    begun = replace(base.hypothesis, values=found.values, effects=found.effects)
+    hypothesis = in_step(evaluator, begun, found.effects[-1:])
     try:
         unknowns = (*base.unknowns, *own_unknowns(hypothesis))
         return calibrate(evaluator, hypothesis, unknowns, REFIT_WINDOWS, tolerance=REFIT_TOLERANCE)

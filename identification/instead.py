@@ -1,19 +1,21 @@
-"""Another law in the place of one that is not established, where it explains the records as well.
+"""Another law in the place of one that is not established, where it explains the records as well, or well enough.
 
 A law with more numbers bends itself to what a simpler one does, and then the records tell none of them. Taken out, it
-leaves all of the misfit again; but what it stood for was weighed beside it, in the same round. Only what has fewer
-numbers is asked: a law with as many may be bent as well.
+leaves all of the misfit again; but what it stood for was weighed beside it, in the same round. There only what has
+fewer numbers is asked: a law with as many may be bent as well.
 """
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from math import log
 
-from identification.acceptance import comes_as_near
+from identification.acceptance import comes_as_near, is_enough
+from identification.calibrate import strained
 from identification.evidence import SIMPLER, Ranked
 from identification.exchange import fit_at
 from identification.fit import Fit
 from identification.hypothesis import Hypothesis
+from identification.reached import NOISE_REACHED
 from identification.session import Session
 
 
@@ -55,6 +57,34 @@ def instead_of(
             continue
         ended = session.to_the_end(now)
         if ended.n_data == before.n_data and comes_as_near(ended, before):
+            first = replace(row, fit=now, effect=now.hypothesis.effects[index])
+            return Instead(now, _ordered(first, [other for other in ranked if other is not row], asked))
+    return None
+
+
+def within_tolerances(
+    session: Session, calibrated: Fit, found: Fit, index: int, ranked: Sequence[Ranked], asked: Collection[str]
+) -> Instead | None:
+    """The best law of an effect's round that reaches the noise with every number within its tolerance, or None.
+
+    An effect whose size the records do not tell, beside a number at the end of its tolerance, may have improved a
+    little on what another says of that number. What left its tolerance is a finding, whatever is made of it.
+
+    Args:
+        session: with the records.
+        calibrated: the model without effects, for its unknowns.
+        found: with the effect whose size is not established.
+        index: of that effect.
+        ranked: its round.
+        asked: kinds that were found not to be established in its place.
+    """
+    effects = found.hypothesis.effects
+    for row in ranked if strained(found) else []:
+        if not row.refitted or row.effect.kind in asked or row.fit.ratio > NOISE_REACHED or strained(row.fit):
+            continue
+        others = (*effects[:index], row.effect, *effects[index + 1 :])
+        now = _fitted(session, calibrated, [replace(row.fit.hypothesis, effects=others)])
+        if now is not None and is_enough(session, now) and not strained(now):
             first = replace(row, fit=now, effect=now.hypothesis.effects[index])
             return Instead(now, _ordered(first, [other for other in ranked if other is not row], asked))
     return None

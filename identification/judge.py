@@ -142,7 +142,7 @@ def finals(
             if first is None or farther > RULED_OUT:
                 continue
             found = first.hypothesis
-        result = refit(fitting, base, found.effects[-1], found.values)
+        result = refit(fitting, base, found)
         if result is not None:
             ranked.append(Ranked.of(result, sketch=sketch.fit))
             if _leads(result, sketch) and (leader is None or result.ratio < leader[1].ratio):

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature, parameter
+from models.effects.protocol import Effect, Family, Place, PlaceKind, Scene, Signature, parameter
 from models.ports import Contact
 
 
@@ -41,6 +41,11 @@ class Clearance(Effect):
     def as_sleeve_numbers(self, contact: Contact) -> Mapping[str, float]:  # noqa: ARG002
         """Its gap."""
         return {"clearance": self.clearance}
+
+    @classmethod
+    def saying(cls, place: Place, contact: Contact, key: str, value: float) -> Self | None:  # noqa: ARG003
+        """A gap as wide."""
+        return cls(place, clearance=value) if key == "clearance" else None
 
     def in_words(self) -> str:
         """When it acts and what it does."""

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature, parameter
+from models.effects.protocol import Effect, Family, Place, PlaceKind, Scene, Signature, parameter
 from models.ports import Contact
 
 
@@ -38,6 +38,11 @@ class ContactStiffness(Effect):
     def as_sleeve_numbers(self, contact: Contact) -> Mapping[str, float]:
         """Its stiffness."""
         return {"stiffness": self.ratio * contact.law.stiffness}
+
+    @classmethod
+    def saying(cls, place: Place, contact: Contact, key: str, value: float) -> Self | None:
+        """A contact as stiff."""
+        return cls(place, ratio=value / contact.law.stiffness) if key == "stiffness" else None
 
     def in_words(self) -> str:
         """When it acts and what it does."""

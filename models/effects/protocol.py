@@ -267,6 +267,18 @@ class Effect(ABC):
         """
         return {}
 
+    @classmethod
+    def saying(cls, place: Place, contact: Contact, key: str, value: float) -> Self | None:  # noqa: ARG003
+        """The effect that does what a number of its sleeve does; None where none does (``as_sleeve_numbers``).
+
+        Args:
+            place: the sleeve.
+            contact: of the sleeve, without it.
+            key: of the number in a rig file.
+            value: of the number, SI.
+        """
+        return None
+
     def point_laws(self, contact: Contact | None, structure: Structure) -> tuple[PointLaw, ...]:  # noqa: ARG002
         """Forces on the structure; ``contact`` is that of the effect's sleeve, with all changes, or None."""
         return ()

@@ -4,12 +4,15 @@ from dataclasses import replace
 from math import log
 
 import pytest
-from trial_records import beam_session, found_with
+from trial_records import REFERENCE, beam_session, found_with
 
 from identification.evidence import SIMPLER, Ranked
-from identification.instead import instead_of
+from identification.hypothesis import rig_unknowns
+from identification.instead import instead_of, within_tolerances
 from models.effects import Place
 from models.effects.absorber import Absorber
+from models.effects.axial_load import AxialLoad
+from models.effects.contact_stiffness import ContactStiffness
 from models.effects.point_mass import PointMass
 from models.effects.point_stiffness import PointStiffness
 from models.effects.sensor_gain import SensorGain
@@ -64,3 +67,23 @@ def test_what_explains_less_or_was_asked_already_takes_no_place(session, calibra
     assert instead_of(session, calibrated, found, 1, ranked, ["absorber", "point_mass"]) is None
     beaten = [ranked[0], replace(ranked[2], refitted=False)]
     assert instead_of(session, calibrated, found, 1, beaten, ["absorber"]) is None
+
+
+def test_what_says_why_a_number_leaves_its_tolerance_takes_the_place_of_what_only_stood_beside_it():
+    sleeve = REFERENCE.sleeves[1]
+    stiffer = ContactStiffness(Place(sleeve=sleeve.name, position=sleeve.position), ratio=2.0)
+    session = beam_session(stiffer)
+    calibrated, load = found_with(session), Ranked.of(found_with(session, AxialLoad(Place(), force=1.0)))
+    right = Ranked.of(found_with(session, stiffer))
+    stiffness = next(u for u in rig_unknowns(REFERENCE) if u.parameter.path == "sleeves[1].stiffness")
+    far = replace(load, fit=replace(load.fit, hypothesis=stiffness.set(load.fit.hypothesis, 4.0)))
+
+    other = within_tolerances(session, calibrated, far.fit, 0, [far, right], ["axial_load"])
+
+    assert other.fit.hypothesis.effects[0].ratio == pytest.approx(2.0, rel=0.02)
+    assert [row.effect.kind for row in other.ranked] == ["contact_stiffness", "axial_load"]
+    near = replace(load, fit=right.fit)
+    assert within_tolerances(session, calibrated, near.fit, 0, [near, right], ["axial_load"]) is None
+    assert within_tolerances(session, calibrated, far.fit, 0, [far, right], ["axial_load", "contact_stiffness"]) is None
+    bent = replace(right, fit=far.fit)
+    assert within_tolerances(session, calibrated, far.fit, 0, [far, bent], ["axial_load"]) is None

@@ -82,7 +82,8 @@ def refits(monkeypatch):
     """Refits that leave a residual over noise by the effect's kind, and the kinds that were refitted."""
     ratios, asked = {}, []
 
-    def refit(evaluator, base, effect, values):
+    def refit(evaluator, base, found):
+        effect = found.effects[-1]
         asked.append(effect.kind)
         return fit_of(effect, 1000.0 * ratios[effect.kind] ** 2)
 
