@@ -367,10 +367,18 @@ def _complete(session: Session, calibrated: Fit) -> str | None:
     """Why nothing is missing in the calibrated model, or None."""
     motion = "" if session.everything.timed else " for small motion about rest"
     if calibrated.ratio <= NOISE_DOUBTED and not session.left_tolerance(calibrated):
-        return f"the calibrated model reaches the noise{motion}{session.not_followed}"
+        return f"the calibrated model reaches the noise{motion}{_not_followed(session, calibrated)}"
     if session.is_passing and not session.left_tolerance(calibrated):
-        return f"the calibrated model reaches the noise but for an event that passes{session.not_followed}"
+        return (
+            f"the calibrated model reaches the noise but for an event that passes{_not_followed(session, calibrated)}"
+        )
     return None
+
+
+def _not_followed(session: Session, calibrated: Fit) -> str:
+    """That this model predicts clearly less than was measured, in words; empty where it does not."""
+    session.to_the_end(calibrated)  # which foresees how far
+    return session.not_followed
 
 
 def _models_own(session: Session, calibrated: Fit) -> str | None:
@@ -383,5 +391,5 @@ def _models_own(session: Session, calibrated: Fit) -> str | None:
         return None
     return (
         f"beyond the noise the calibrated model misses {missed(whole, ended):.2%} of the motion, no more than two ways "
-        "to compute the same rig differ by, and nothing in the library explains it"
+        f"to compute the same rig differ by, and nothing in the library explains it{session.not_followed}"
     )

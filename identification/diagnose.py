@@ -248,8 +248,9 @@ def _ended(
     """The verdict, the model that stands, and the same on all records with honest intervals.
 
     An effect whose size these intervals do not tell from none, or whose law or place they do not tell, is taken out,
-    with its round; a law or a place gives way to a simpler law of its round first, where that explains as much. The
-    last round stays where it is needed to show what was weighed.
+    with its round. Before that, a law or a place gives way to a simpler law of its round that explains as much, and a
+    size, beside a number at the end of its tolerance, to a law that needs none there. The last round stays where it is
+    needed to show what was weighed.
     """
     taken_out, looked = False, bool(rounds)
     final, weighed, asked = chain[-1], rounds[:1], [set[str]() for _ in rounds]

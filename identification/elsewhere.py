@@ -40,7 +40,7 @@ def elsewhere(fitting: Evaluator, base: Fit, found: Fit, registry: Registry, n_e
         first, farther = against(found, fitting, beside, tried_with(fitting, bare, other))
         if first is None or farther > RULED_OUT:
             continue
-        result = refit(fitting, beside, first.hypothesis)
+        result = refit(fitting, base, first.hypothesis)
         if result is not None:
             fits.append(result)
     return fits

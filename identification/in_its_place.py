@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import inf
 
-from identification.calibrate import WINDOWS, Windows, beginning, calibrate, concerning, strained
+from identification.calibrate import WINDOWS, Windows, beginning, calibrate, concerning
 from identification.evaluate import Evaluator
 from identification.evidence import (
     LEAST_EVIDENCE,
@@ -19,15 +19,15 @@ from identification.evidence import (
     reweighed,
     with_evidence,
 )
+from identification.far_numbers import said_of_far_numbers
 from identification.fit import Fit, fit
-from identification.hypothesis import Hypothesis, free_place, own_unknowns
+from identification.hypothesis import Hypothesis, PlaceUnknown, free_place, own_unknowns
 from identification.in_step import in_step, tried_with
 from identification.progress import Progress, silent
 from identification.scene import is_same_place, sleeves_of, valley
 from identification.screen import Suspect, promising, survey
 from identification.sketch import TOLERANCE
-from models.effects import Effect, Registry
-from models.plant import contact_of
+from models.effects import Effect, Place, Registry
 from models.rig import Beam
 
 REFIT_WINDOWS: Windows = ((0.35, 2.0),)
@@ -108,7 +108,8 @@ def with_others_there(
         progress: told what is being done.
     """
     rows = with_evidence([*ranked, *_simpler_rows(fitting, base, ranked, registry)])
-    rows = with_evidence([*rows, *_for_far_numbers(fitting, base, rows, registry)])
+    far = said_of_far_numbers(ranked[0].fit, registry) if ranked else ()
+    rows = with_evidence([*rows, *(row for start in far for row in begun_at_leader(fitting, base, rows, *start))])
     rows = with_evidence([*rows, *_of_the_sleeve(fitting, base, rows, registry)])
     return settled_apart(fitting, _with_sleeves(fitting, base, rows), progress)
 
@@ -170,24 +171,6 @@ def _of_the_sleeve(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], regi
     return begun_at_leader(fitting, base, ranked, (s.effect for s in seen if s.effect.place == sleeve))
 
 
-def _for_far_numbers(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], registry: Registry) -> list[Ranked]:
-    """What says of a sleeve what the first one needs a number of it for at the end of its tolerance.
-
-    Nothing in the neighbourhood of such a number shows it: the number itself does all that, but for its end.
-    """
-    rows: list[Ranked] = []
-    for unknown in strained(ranked[0].fit) if ranked else []:
-        leader, path = without_last(ranked[0].fit.hypothesis), unknown.parameter.path
-        within = unknown.set(leader, 0.0)
-        taken = {(part.kind, part.place.sleeve) for effect in leader.effects for part in effect.parts()}
-        for number, place in enumerate(sleeves_of(leader.rig)):
-            contact, key = contact_of(within.updated_rig.sleeves[number]), path.removeprefix(f"sleeves[{number}].")
-            kinds = (kind for name, kind in registry.items() if (name, place.sleeve) not in taken)
-            said = (kind.saying(place, contact, key, leader.values[path]) for kind in kinds)
-            rows += begun_at_leader(fitting, base, ranked, [one for one in said if one is not None], within.values)
-    return rows
-
-
 def seen_at(
     position: float | None, fitting: Evaluator, base: Fit, bare: Hypothesis, registry: Registry, per_kind: int = 1
 ) -> Sequence[Suspect]:
@@ -233,28 +216,36 @@ def begun_at_leader(
     """
     leader, rows = ranked[0].fit, []
     bare, scale = without_last(leader.hypothesis), misfit_of(leader)
-    as_good = {row.effect.kind for row in ranked if log_fit(leader, scale) - log_fit(row.fit, scale) < LEAST_EVIDENCE}
+    as_good = [row.effect for row in ranked if log_fit(leader, scale) - log_fit(row.fit, scale) < LEAST_EVIDENCE]
     for effect in effects:
-        if effect.kind in as_good:
+        if any(other.kind == effect.kind and _may_be_one(other.place, effect.place) for other in as_good):
             continue
-        start = replace(base.hypothesis, values=values or bare.values, effects=bare.effects)
-        first, farther = against(leader, fitting, base, _sized(fitting, tried_with(fitting, start, effect)))
+        start = tried_with(fitting, replace(bare, values=values or bare.values), effect)
+        first, farther = against(leader, fitting, base, _sized(fitting, start))
         if first is None or farther > RULED_OUT:
             continue
-        result = refit(fitting, base, first.hypothesis)
+        begun = replace(bare, values=first.hypothesis.values).with_effects(first.hypothesis.effects[-1])
+        result = refit(fitting, base, begun)
         if result is not None:
             rows.append(Ranked.of(result))
     return rows
 
 
-def _sized(fitting: Evaluator, found: Hypothesis) -> Hypothesis:
-    """The model with its last effect's own numbers where they fit ever longer beginnings best, all others held.
+def _may_be_one(one: Place, other: Place) -> bool:
+    """Whether two places are not two sleeves."""
+    return None in (one.sleeve, other.sleeve) or one.sleeve == other.sleeve
 
-    The others are right already, or nearly so: moved together with a size that is not yet, they go astray, and where
-    neighbouring motions part they do not come back.
+
+def _sized(fitting: Evaluator, found: Hypothesis) -> Hypothesis:
+    """The model with its last effect's own numbers, but for its place, where they fit ever longer beginnings best.
+
+    All others are right already, or nearly so: moved together with a size that is not yet, they go astray, and where
+    neighbouring motions part they do not come back. What acts in time is known from more than a beginning.
     """
-    own = own_unknowns(found)
-    for window in [beginning(fitting, *each) for each in WINDOWS] if own else []:
+    own = [unknown for unknown in own_unknowns(found) if not isinstance(unknown, PlaceUnknown)]
+    if not own or found.effects[-1].family == "time":
+        return found
+    for window in [fitting] if fitting.at_rest else [beginning(fitting, *each) for each in WINDOWS]:
         try:
             found = fit(window, found, own, max_iterations=ITERATIONS_AGAINST, tolerance=1e-2).hypothesis
         except ArithmeticError:
@@ -310,16 +301,15 @@ def settled_apart(fitting: Evaluator, ranked: list[Ranked], progress: Progress) 
     return reweighed(ranked, [*rows, *(row for row in ranked if row.refitted and row not in close)])
 
 
-def refit(evaluator: Evaluator, base: Fit, found: Hypothesis) -> Fit | None:
+def refit(evaluator: Evaluator, base: Fit, begun: Hypothesis) -> Fit | None:
     """Everything refitted with one more effect; None where the model with it diverges.
 
     Args:
         evaluator: records to fit.
-        base: the model without the effect, for its unknowns and the states at the start of records.
-        found: the same effects and one more, with the numbers of the rig and of all effects where the fit begins.
+        base: the model without the effect, for its unknowns.
+        begun: where the fit begins, the effect last; its own phases are sought.
     """
-    begun = replace(base.hypothesis, values=found.values, effects=found.effects)
-    hypothesis = in_step(evaluator, begun, found.effects[-1:])
+    hypothesis = in_step(evaluator, begun, begun.effects[-1:])
     try:
         unknowns = (*base.unknowns, *own_unknowns(hypothesis))
         return calibrate(evaluator, hypothesis, unknowns, REFIT_WINDOWS, tolerance=REFIT_TOLERANCE)

@@ -15,7 +15,7 @@ from identification.evidence import SIMPLER, Ranked
 from identification.exchange import fit_at
 from identification.fit import Fit
 from identification.hypothesis import Hypothesis
-from identification.reached import NOISE_REACHED
+from identification.reached import NOISE_REACHED, reaches_noise
 from identification.session import Session
 
 
@@ -78,16 +78,26 @@ def within_tolerances(
         ranked: its round.
         asked: kinds that were found not to be established in its place.
     """
-    effects = found.hypothesis.effects
+    rest = found.hypothesis.without_effect(index).effects
     for row in ranked if strained(found) else []:
-        if not row.refitted or row.effect.kind in asked or row.fit.ratio > NOISE_REACHED or strained(row.fit):
+        if not row.refitted or len(row.effect.parts()) > 1 or row.effect.kind in asked:
             continue
-        others = (*effects[:index], row.effect, *effects[index + 1 :])
-        now = _fitted(session, calibrated, [replace(row.fit.hypothesis, effects=others)])
-        if now is not None and is_enough(session, now) and not strained(now):
+        if row.fit.ratio > NOISE_REACHED or strained(row.fit):
+            continue
+        beside = row.fit.hypothesis.effects[:-1]
+        others = beside if [e.kind for e in beside] == [e.kind for e in rest] else rest
+        effects = (*others[:index], row.effect, *others[index:])
+        now = _fitted(session, calibrated, [replace(row.fit.hypothesis, effects=effects)])
+        if now is not None and is_enough(session, now) and _holds_throughout(session, now):
             first = replace(row, fit=now, effect=now.hypothesis.effects[index])
             return Instead(now, _ordered(first, [other for other in ranked if other is not row], asked))
     return None
+
+
+def _holds_throughout(session: Session, now: Fit) -> bool:
+    """Whether the noise is reached within the tolerances on all that can be followed."""
+    ended = session.to_the_end(now)
+    return reaches_noise(session.all_predicted, ended) and not strained(ended)
 
 
 def _fitted(session: Session, calibrated: Fit, starts: Sequence[Hypothesis]) -> Fit | None:

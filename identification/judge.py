@@ -142,7 +142,8 @@ def finals(
             if first is None or farther > RULED_OUT:
                 continue
             found = first.hypothesis
-        result = refit(fitting, base, found)
+        effects = (*base.hypothesis.effects, found.effects[-1])  # a beginning may not tell the others
+        result = refit(fitting, base, replace(base.hypothesis, values=found.values, effects=effects))
         if result is not None:
             ranked.append(Ranked.of(result, sketch=sketch.fit))
             if _leads(result, sketch) and (leader is None or result.ratio < leader[1].ratio):

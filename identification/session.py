@@ -31,7 +31,7 @@ MOST_COARSE = 2.0
 """Times the noise, up to where that share is taken: suspects that come near the noise must still be told apart."""
 
 CLEARLY_LESS = 0.8
-"""Share of the seconds of a record that were fitted, or measured, from which on what is predicted is as much."""
+"""Share of the seconds that were fitted, or measured, below which those that are predicted are clearly less."""
 
 CLEARLY_LOUDER = 1.05
 """Times the noise so far; less would change no verdict."""

@@ -43,7 +43,7 @@ class Clearance(Effect):
         return {"clearance": self.clearance}
 
     @classmethod
-    def saying(cls, place: Place, contact: Contact, key: str, value: float) -> Self | None:  # noqa: ARG003
+    def from_sleeve_number(cls, place: Place, contact: Contact, key: str, value: float) -> Self | None:  # noqa: ARG003
         """A gap as wide."""
         return cls(place, clearance=value) if key == "clearance" else None
 

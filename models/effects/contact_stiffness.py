@@ -40,7 +40,7 @@ class ContactStiffness(Effect):
         return {"stiffness": self.ratio * contact.law.stiffness}
 
     @classmethod
-    def saying(cls, place: Place, contact: Contact, key: str, value: float) -> Self | None:
+    def from_sleeve_number(cls, place: Place, contact: Contact, key: str, value: float) -> Self | None:
         """A contact as stiff."""
         return cls(place, ratio=value / contact.law.stiffness) if key == "stiffness" else None
 

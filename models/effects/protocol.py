@@ -268,8 +268,8 @@ class Effect(ABC):
         return {}
 
     @classmethod
-    def saying(cls, place: Place, contact: Contact, key: str, value: float) -> Self | None:  # noqa: ARG003
-        """The effect that does what a number of its sleeve does; None where none does (``as_sleeve_numbers``).
+    def from_sleeve_number(cls, place: Place, contact: Contact, key: str, value: float) -> Self | None:  # noqa: ARG003
+        """The effect that does what a number of its sleeve does, the inverse of ``as_sleeve_numbers``; or None.
 
         Args:
             place: the sleeve.

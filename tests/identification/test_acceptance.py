@@ -208,6 +208,17 @@ def test_what_was_not_fitted_is_asked_too():
     assert verdict_of(Listener(fitting=part, whole=whole), calibrated, calibrated) == "unexplained"
 
 
+def test_complete_tells_how_much_of_the_records_it_is_about():
+    part, calibrated = quiet(error=0.003)
+    for ratio in (1.0, 1.6):  # at the noise, and by the models' own error
+        session = Listener(fitting=part)
+        session.not_followed = "; only 1.0 of 4.0 s"
+        found = replace(calibrated, chi2=ratio**2 * calibrated.n_data)
+
+        assert verdict_of(session, found, found) == "complete"
+        assert session.decisions[-1].endswith("; only 1.0 of 4.0 s")
+
+
 def test_a_law_that_explains_even_so_little_is_named():
     fitting, calibrated = quiet(error=0.003)
     law = fit_leaving(float(fitting.n_data), calibrated.residual, effect=True)

@@ -6,12 +6,13 @@ from math import exp
 import pytest
 from trial_records import OSCILLATOR, REFERENCE, beam_session, evaluator_of, found_with, measured, multisine
 
+from identification import in_its_place
 from identification.calibrate import strained
 from identification.evidence import Ranked
 from identification.fit import fit
 from identification.hypothesis import LARGEST_SIGMA, Hypothesis, effect_unknowns, rig_unknowns
 from identification.in_all_sleeves import in_all_sleeves
-from identification.in_its_place import EXPLAINED, with_others_there
+from identification.in_its_place import EXPLAINED, against, with_others_there
 from models.effects import EFFECTS, Place
 from models.effects.absorber import Absorber
 from models.effects.axial_load import AxialLoad
@@ -141,27 +142,35 @@ def test_a_dashpot_that_came_to_a_sleeve_is_held_against_what_sits_in_it(away):
     assert (("squeeze_film", SLEEVE.name) in found) == (away < 0.1)
 
 
-def test_the_simpler_law_begins_beside_the_other_effects_of_the_first_and_its_own_size():
-    """A friction that never sticks is a dashpot; before it stood, the force's gain had taken much of what it does."""
+def test_the_simpler_law_begins_beside_the_other_effects_of_the_first_and_at_its_own_size(monkeypatch):
+    """A friction that never sticks is a dashpot; before it stood, the gain had taken up some of what it does."""
     gain, dashpot = ForceGain(Place(), gain=1.36), PointDamping(at(0.86), damping=13.6)
     session = beam_session(gain, dashpot)
     friction = CoulombFriction(at(0.86), friction_force=8.2, slip_velocity=0.6)
     found, before = Ranked.of(found_with(session, gain, friction)), found_with(session, replace(gain, gain=1.5))
+    begun = []
+    monkeypatch.setattr(in_its_place, "against", lambda *args: (begun.append(args[-1]), against(*args))[1])
 
     rows = with_others_there(
         session.fitting, before, [found], {"point_damping": EFFECTS["point_damping"]}, lambda _: None
     )
 
+    (start,) = begun
+    assert start.effects[0].gain == pytest.approx(1.36, rel=3e-4)
+    assert start.effects[1].damping == pytest.approx(13.6, rel=0.02)
     assert rows[0].effect.kind == "point_damping"
-    assert rows[0].effect.damping == pytest.approx(13.6, rel=0.01)
 
 
-def test_what_a_sleeve_needs_a_number_at_the_end_of_its_tolerance_for_is_tried_as_an_effect():
+FIRST_SLEEVE = Place(sleeve=REFERENCE.sleeves[0].name, position=REFERENCE.sleeves[0].position)
+
+
+@pytest.mark.parametrize("stood", [AxialLoad(Place(), force=0.1), ContactStiffness(FIRST_SLEEVE, ratio=1.001)])
+def test_what_a_sleeve_needs_a_number_at_the_end_of_its_tolerance_for_is_tried_as_an_effect(stood):
     """Beside a stiffness that has gone as far as it may nothing shows that the contact is stiffer still."""
     stiffness = next(each for each in rig_unknowns(REFERENCE) if each.parameter.path == "sleeves[1].stiffness")
     ratio = 1.02 * exp(LARGEST_SIGMA * stiffness.parameter.tolerance)
     session = beam_session(ContactStiffness(IN_SLEEVE, ratio=ratio))
-    begun = stiffness.set(Hypothesis(REFERENCE, effects=(AxialLoad(Place(), force=0.1),)), LARGEST_SIGMA)
+    begun = stiffness.set(Hypothesis(REFERENCE, effects=(stood,)), LARGEST_SIGMA)
     load = fit(session.fitting, begun, (*rig_unknowns(REFERENCE), *effect_unknowns(begun)), max_iterations=0)
     kinds = {kind: EFFECTS[kind] for kind in ("contact_stiffness", "clearance", "gap_offset")}
 

@@ -8,6 +8,7 @@ from trial_records import REFERENCE, beam_session, found_with
 
 from identification.evidence import SIMPLER, Ranked
 from identification.hypothesis import rig_unknowns
+from identification.in_all_sleeves import InAllSleeves
 from identification.instead import instead_of, within_tolerances
 from models.effects import Place
 from models.effects.absorber import Absorber
@@ -85,5 +86,7 @@ def test_what_says_why_a_number_leaves_its_tolerance_takes_the_place_of_what_onl
     near = replace(load, fit=right.fit)
     assert within_tolerances(session, calibrated, near.fit, 0, [near, right], ["axial_load"]) is None
     assert within_tolerances(session, calibrated, far.fit, 0, [far, right], ["axial_load", "contact_stiffness"]) is None
+    everywhere = replace(right, effect=InAllSleeves(stiffer.place, members=(stiffer, stiffer)))
+    assert within_tolerances(session, calibrated, far.fit, 0, [far, everywhere], ["axial_load"]) is None
     bent = replace(right, fit=far.fit)
     assert within_tolerances(session, calibrated, far.fit, 0, [far, bent], ["axial_load"]) is None

@@ -11,7 +11,7 @@ import pytest
 from effect_scenes import BEAM, CONTACT, RIGS, as_compiled, places_of, scene_at, trials_of
 
 import models.effects
-from models.effects import EFFECTS, Effect, build_effect, entry_of
+from models.effects import EFFECTS, Effect, Place, build_effect, entry_of
 from models.plant import build_plant
 from models.rest import law_force
 from models.rig import Rig
@@ -207,3 +207,19 @@ def test_a_law_sits_at_its_sleeve_even_if_the_place_has_no_position(cls):
         if effect.place.sleeve is not None:
             nameless = replace(effect, place=replace(effect.place, position=None))
             assert laws_of(nameless, scene) == laws_of(effect, scene)
+
+
+@every_effect
+@pytest.mark.parametrize(("key", "share"), [("clearance", 1.3), ("stiffness", 0.7), ("damping", 1.1)])
+def test_what_says_a_number_of_its_sleeve_says_that_number(cls, key, share):
+    value = share * (CONTACT.clearance if key == "clearance" else getattr(CONTACT.law, key))
+    said = cls.from_sleeve_number(Place(sleeve="sleeve 1", position=0.5), CONTACT, key, value)
+    assert said is None or said.as_sleeve_numbers(CONTACT) == pytest.approx({key: value})
+
+
+def test_a_gap_and_a_spring_of_a_sleeve_are_said_by_effects():
+    said = {
+        key: {kind for kind, cls in EFFECTS.items() if cls.from_sleeve_number(Place(sleeve="1"), CONTACT, key, 1e-3)}
+        for key in ("clearance", "stiffness", "damping")
+    }
+    assert said == {"clearance": {"clearance"}, "stiffness": {"contact_stiffness"}, "damping": set()}
