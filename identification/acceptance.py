@@ -365,20 +365,16 @@ IMITATED = 0.5
 
 def _complete(session: Session, calibrated: Fit) -> str | None:
     """Why nothing is missing in the calibrated model, or None."""
-    motion = "" if session.everything.timed else " for small motion about rest"
-    if calibrated.ratio <= NOISE_DOUBTED and not session.left_tolerance(calibrated):
-        return f"the calibrated model reaches the noise{motion}{_not_followed(session, calibrated)}"
-    if session.is_passing and not session.left_tolerance(calibrated):
-        return (
-            f"the calibrated model reaches the noise but for an event that passes{_not_followed(session, calibrated)}"
-        )
-    return None
-
-
-def _not_followed(session: Session, calibrated: Fit) -> str:
-    """That this model predicts clearly less than was measured, in words; empty where it does not."""
+    if calibrated.ratio <= NOISE_DOUBTED:
+        but = "" if session.everything.timed else " for small motion about rest"
+    elif session.is_passing:
+        but = " but for an event that passes"
+    else:
+        return None
+    if session.left_tolerance(calibrated):
+        return None
     session.to_the_end(calibrated)  # which foresees how far
-    return session.not_followed
+    return f"the calibrated model reaches the noise{but}{session.not_followed}"
 
 
 def _models_own(session: Session, calibrated: Fit) -> str | None:

@@ -52,10 +52,6 @@ MOST_EFFECTS = 3
 MOST_ROUNDS = 5
 """Of adding an effect and taking out what it made needless."""
 
-AS_WELL = "which explains the records as well"
-WITHIN = "with which the noise is reached and no number of the rig leaves its tolerance"
-"""Why an effect gives way to another."""
-
 FIT_SECONDS = 16.0
 """Of records that are used for refits."""
 
@@ -266,14 +262,14 @@ def _ended(
         index, why = doubted
         effect = final.hypothesis.effects[index]
         asked[index].add(effect.kind)
-        look, words = (within_tolerances, WITHIN) if why == NO_SIZE else (instead_of, AS_WELL)
+        look = within_tolerances if why == NO_SIZE else instead_of
         other = look(session, chain[0], final, index, rounds[index], asked[index])
         if other is not None:
             now = other.fit.hypothesis.effects[index]
             label = f"{effect.label()} exchanged for {now.label()}"
             if _staged(session, stages, label, other.fit):
                 final, rounds[index] = other.fit, other.ranked
-                session.decide(f"{label}, {words}: {why}; {now.in_words()}")
+                session.decide(f"{label}, {other.words}: {why}; {now.in_words()}")
                 continue
         session.decide(f"{effect.label()} taken out again: {why}")
         taken_out = True

@@ -18,6 +18,10 @@ from identification.hypothesis import Hypothesis
 from identification.reached import NOISE_REACHED, reaches_noise
 from identification.session import Session
 
+AS_WELL = "which explains the records as well"
+WITHIN = "with which the noise is reached and no number of the rig leaves its tolerance"
+"""What speaks for the other law."""
+
 
 @dataclass(frozen=True, eq=False)
 class Instead:
@@ -26,10 +30,12 @@ class Instead:
     Attributes:
         fit: of the model.
         ranked: the effect's round, with the other law first.
+        words: what speaks for it.
     """
 
     fit: Fit
     ranked: list[Ranked]
+    words: str
 
 
 def instead_of(
@@ -57,8 +63,7 @@ def instead_of(
             continue
         ended = session.to_the_end(now)
         if ended.n_data == before.n_data and comes_as_near(ended, before):
-            first = replace(row, fit=now, effect=now.hypothesis.effects[index])
-            return Instead(now, _ordered(first, [other for other in ranked if other is not row], asked))
+            return Instead(now, _put_first(row, now, index, ranked, asked), AS_WELL)
     return None
 
 
@@ -89,8 +94,7 @@ def within_tolerances(
         effects = (*others[:index], row.effect, *others[index:])
         now = _fitted(session, calibrated, [replace(row.fit.hypothesis, effects=effects)])
         if now is not None and is_enough(session, now) and _holds_throughout(session, now):
-            first = replace(row, fit=now, effect=now.hypothesis.effects[index])
-            return Instead(now, _ordered(first, [other for other in ranked if other is not row], asked))
+            return Instead(now, _put_first(row, now, index, ranked, asked), WITHIN)
     return None
 
 
@@ -111,10 +115,13 @@ def _fitted(session: Session, calibrated: Fit, starts: Sequence[Hypothesis]) -> 
     return min(fits, key=lambda each: each.cost, default=None)
 
 
-def _ordered(first: Ranked, others: Sequence[Ranked], asked: Collection[str]) -> list[Ranked]:
-    """The rows with this one first: what is not established has the odds of a number that is not needed, at most."""
+def _put_first(row: Ranked, now: Fit, index: int, ranked: Sequence[Ranked], asked: Collection[str]) -> list[Ranked]:
+    """The round with a row first, fitted now: what is not established has the odds of a number not needed, at most."""
+    first = replace(row, fit=now, effect=now.hypothesis.effects[index])
     most = first.log_evidence - log(SIMPLER)
     rows = [
-        replace(row, log_evidence=min(row.log_evidence, most)) if row.effect.kind in asked else row for row in others
+        replace(each, log_evidence=min(each.log_evidence, most)) if each.effect.kind in asked else each
+        for each in ranked
+        if each is not row
     ]
-    return [first, *sorted(rows, key=lambda row: -row.log_evidence)]
+    return [first, *sorted(rows, key=lambda each: -each.log_evidence)]
