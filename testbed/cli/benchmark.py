@@ -37,8 +37,8 @@ def _benchmarks() -> None:
 def hidden_effects(
     *,
     case_set: Annotated[
-        Literal["tuning", "reported"],
-        typer.Option("--set", help="Cases to tune on, or to report; seeds and generators differ."),
+        Literal["tuning", "reported", "varied"],
+        typer.Option("--set", help="Cases to tune on, to report, or of other tests; seeds and generators differ."),
     ] = "reported",
     cases: Annotated[int, typer.Option("--cases", min=1, help="The first so many of the order.")] = 200,
     only: Annotated[
@@ -54,7 +54,7 @@ def hidden_effects(
     as_json: AsJson = False,
 ) -> None:
     """Hide effects in random rigs, diagnose, count; goes on where it was stopped; status 1 if a bar is missed."""
-    named = Path("hidden_effects" if case_set == "reported" else "hidden_effects_tuning")
+    named = Path("hidden_effects" if case_set == "reported" else f"hidden_effects_{case_set}")
     folder = out_folder(out, named, "README.md", "summary.json", "figures/", "cases/")
     with progress() as tell:
         from testbed.hidden_effects.plan import planned

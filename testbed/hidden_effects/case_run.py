@@ -63,6 +63,7 @@ def described(case: Case) -> Json:
         "steps_per_sample": case.truth.resolution.steps_per_sample,
         "hidden": hidden_in(case),
         "snr_db": case.snr_db,
+        "snr_of_force_db": case.snr_of_force_db,
         "growth": case.growth,
         "amplification": case.amplification,
         "chaotic": case.chaotic,

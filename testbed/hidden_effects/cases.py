@@ -2,6 +2,7 @@
 
 from collections import Counter
 from dataclasses import dataclass, replace
+from math import log10
 from zlib import crc32
 
 import numpy as np
@@ -15,7 +16,7 @@ from models.rig import Rig
 from testbed.hidden_effects.engines import engine_for
 from testbed.hidden_effects.hiding import draw_wanted, hide
 from testbed.hidden_effects.plan import Task
-from testbed.hidden_effects.sets import CHAOTIC_SHARE, FEW, MOST, SETS, SNR
+from testbed.hidden_effects.sets import CHAOTIC_SHARE, FEW, MOST, SETS, CaseSet
 from testbed.hidden_effects.trials import HELD, LEARNT, MOST_AMPLIFICATION, Trial, draw_trial
 from testbed.hidden_effects.truth import MODEL, Truth, measure
 from testbed.virtual.noise import Noise
@@ -33,7 +34,6 @@ class Case:
         task: its name.
         rig: as its owner describes it.
         truth: what is really there.
-        snr_db: of every channel and of the force.
         growth, amplification: of neighbouring motions (``Trial``).
         chaotic: whether neighbouring motions part, by the trial or by what the noise did in the end.
         wanted: times the noise that each effect was to show.
@@ -48,7 +48,6 @@ class Case:
     task: Task
     rig: Rig
     truth: Truth
-    snr_db: float
     growth: float
     amplification: float
     chaotic: bool
@@ -59,6 +58,16 @@ class Case:
     holdout: Record
     noise_nrmse: dict[str, float]
     turned_down: dict[str, int]
+
+    @property
+    def snr_db(self) -> float:
+        """Of every channel."""
+        return -20.0 * log10(self.truth.noise.response)
+
+    @property
+    def snr_of_force_db(self) -> float:
+        """Of the force."""
+        return -20.0 * log10(self.truth.noise.excitation)
 
 
 def draw_case(task: Task) -> Case:
@@ -73,14 +82,14 @@ def draw_case(task: Task) -> Case:
     case_set = SETS[task.case_set]
     rng = np.random.default_rng([task.seed, crc32(task.kind.encode()), task.number])
     chaotic = bool(rng.random() < CHAOTIC_SHARE)
-    snr_db = SNR.draw(rng)
+    noise = _draw_noise(case_set, rng)
     wanted = draw_wanted(task, rng)
     turned_down: Counter[str] = Counter()
     for number in range(MOST_RIGS):
         if number and number % RIGS_A_SIZE == 0:
             wanted = draw_wanted(task, rng)
         trial = draw_trial(case_set, chaotic=chaotic, rng=rng)
-        drawn = _attempt(task, trial, snr_db, wanted, rng)
+        drawn = _attempt(task, trial, noise, wanted, rng)
         if isinstance(drawn, Case):
             return replace(drawn, turned_down=dict(turned_down))
         turned_down[drawn] += 1
@@ -89,16 +98,13 @@ def draw_case(task: Task) -> Case:
     raise ArithmeticError(message)
 
 
-def _attempt(
-    task: Task, trial: Trial, snr_db: float, wanted: tuple[float, ...], rng: np.random.Generator
-) -> Case | str:
+def _attempt(task: Task, trial: Trial, noise: Noise, wanted: tuple[float, ...], rng: np.random.Generator) -> Case | str:
     """The case on this rig, or why there is none."""
-    share = float(10.0 ** (-snr_db / 20.0))
     try:
-        hidden = hide(task, trial, share, wanted, rng)
+        hidden = hide(task, trial, noise, wanted, rng)
         if hidden is None:
             return "no size shows as much as wanted"
-        truth = Truth(trial.built, hidden.effects, MODEL, Noise(share, share, share_of="channel"))
+        truth = Truth(trial.built, hidden.effects, MODEL, noise)
         calibrated = calibrated_ratio(trial, truth, rng) if hidden.effects else None
         if calibrated is not None and not FEW <= calibrated <= MOST:
             return f"the calibrated error is not {FEW:g} to {MOST:g} times the noise"
@@ -108,22 +114,28 @@ def _attempt(
         return f"a motion was lost ({str(lost).split(';')[0].split(' the motion')[0]})"
     except InputError:
         return "no state at rest"
+    loudest = max(noise.response, noise.excitation)
     return Case(
         task=task,
         rig=trial.rig,
         truth=truth,
-        snr_db=snr_db,
         growth=trial.growth,
         amplification=trial.amplification,
-        chaotic=trial.chaotic or max(noise for _, noise in measured.values()) > MOST_AMPLIFICATION * share,
+        chaotic=trial.chaotic or max(left for _, left in measured.values()) > MOST_AMPLIFICATION * loudest,
         wanted=wanted,
         shown=hidden.shown,
         calibrated=calibrated,
         records=tuple(measured[name][0] for name in LEARNT),
         holdout=measured[HELD][0],
-        noise_nrmse={name: noise for name, (_, noise) in measured.items()},
+        noise_nrmse={name: left for name, (_, left) in measured.items()},
         turned_down={},
     )
+
+
+def _draw_noise(case_set: CaseSet, rng: np.random.Generator) -> Noise:
+    response = case_set.snr.draw(rng)
+    excitation = response if case_set.snr_of_force is None else case_set.snr_of_force.draw(rng)
+    return Noise(10.0 ** (-response / 20.0), 10.0 ** (-excitation / 20.0), share_of="channel")
 
 
 def calibrated_ratio(trial: Trial, truth: Truth, rng: np.random.Generator) -> float:

@@ -48,7 +48,7 @@ def engine_for(task: Task, trial: Trial, truth: Truth, rng: np.random.Generator)
     """
     plain, fs = build_plant(truth.built), trial.fs
     forces = [first_seconds(trial.forces[name], fs) for name in WATCHED]
-    imitation = Imitation(trial, truth.noise.response, rng, WATCHED)
+    imitation = Imitation(trial, truth.noise, rng, WATCHED)
     for engine in _turns(task):
         if engine == FINE:
             break

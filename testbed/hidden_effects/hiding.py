@@ -16,6 +16,7 @@ from testbed.hidden_effects.sets import EACH_OF_TWO, FEW, FEW_SHARE, MANY, MOST
 from testbed.hidden_effects.sizes import ROUNDS, on_the_beam, sized
 from testbed.hidden_effects.tolerated import tolerated
 from testbed.hidden_effects.trials import Trial
+from testbed.virtual.noise import Noise
 
 PLACES = 2
 """Places tried on one rig."""
@@ -49,13 +50,13 @@ def draw_wanted(task: Task, rng: np.random.Generator) -> tuple[float, ...]:
     return (exp(rng.uniform(log(low), log(high))),)
 
 
-def hide(task: Task, trial: Trial, noise: float, wanted: Sequence[float], rng: np.random.Generator) -> Hidden | None:
+def hide(task: Task, trial: Trial, noise: Noise, wanted: Sequence[float], rng: np.random.Generator) -> Hidden | None:
     """What to hide in this rig; None where it has no place for it.
 
     Args:
         task: the case.
         trial: the rig and the forces.
-        noise: as a share of the rms.
+        noise: of the measurement chain.
         wanted: times the noise, for each effect.
         rng: draws places and numbers.
 

@@ -15,6 +15,7 @@ from models.errors import DivergenceError, InputError
 from models.plant import build_plant
 from testbed.hidden_effects.motion import channels_of
 from testbed.hidden_effects.trials import LEARNT, Trial
+from testbed.virtual.noise import Noise
 from testbed.virtual.virtual_record import drawn
 
 FARTHEST = 4.0
@@ -56,7 +57,7 @@ class Imitation:
 
     Args:
         trial: the rig, as its owner describes it and as built, and the forces; the record held out is not used.
-        noise: of sensors and force, as a share of their rms.
+        noise: of the measurement chain.
         rng: draws the force's noise.
         names: of the records.
 
@@ -64,7 +65,7 @@ class Imitation:
         DivergenceError: the motion without an effect left the finite numbers.
     """
 
-    def __init__(self, trial: Trial, noise: float, rng: np.random.Generator, names: Sequence[str] = LEARNT) -> None:
+    def __init__(self, trial: Trial, noise: Noise, rng: np.random.Generator, names: Sequence[str] = LEARNT) -> None:
         self.fs = trial.fs
         self.forces = [first_seconds(trial.forces[name], trial.fs) for name in names]
         self.drawn, self.built = trial.rig.parameters(), trial.built
@@ -73,9 +74,9 @@ class Imitation:
         plain = [channels_of(built, force, self.fs) for force in self.forces]
         self.scales = [float(np.linalg.norm(in_band(channels))) for channels in plain]
         self.here = self._stacked(plain)
-        shaken = [force + noise * force.std() * rng.standard_normal(len(force)) for force in self.forces]
+        shaken = [force + noise.excitation * force.std() * rng.standard_normal(len(force)) for force in self.forces]
         carried = self._stacked([channels_of(built, force, self.fs) for force in shaken]) - self.here
-        self.floor = float(np.hypot(self._size(carried), noise * np.sqrt(2.0 * SCORE_EDGE)))
+        self.floor = float(np.hypot(self._size(carried), noise.response * np.sqrt(2.0 * SCORE_EDGE)))
         self.weight = self.floor / np.sqrt(self.here.size / len(self.forces))  # noise of one entry
         moves = STEP * np.eye(len(self.off))
         slopes = [(self._channels(self.off + move) - self.here) / (STEP * self.weight) for move in moves]

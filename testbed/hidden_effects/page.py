@@ -8,20 +8,18 @@ from testbed.hidden_effects.bars import ENOUGH, ENOUGH_NOTHING, interval_of, thr
 from testbed.hidden_effects.judge import LARGEST_GROUP, NEAR
 from testbed.hidden_effects.plan import NOTHING, OUTSIDE
 from testbed.hidden_effects.scores import CLASSES, FAR, LOCATED_ANEW, ONE, STAGES, TAUGHT_UNTIL, beliefs_of
-from testbed.hidden_effects.sets import BEFORE, FEW, MANY, MOST, SETS, SNR, Batch
+from testbed.hidden_effects.sets import BEFORE, FEW, MANY, MOST, SETS, Batch
 from testbed.hidden_effects.trials import MOST_AMPLIFICATION, MOST_GROWTH
 from testbed.outputs import Json
 
 ABOUT = f"""\
 Each case is another rig, its toleranced numbers off by up to two tolerances, moved by finite elements, Exudyn or MuJoCo
 in turn, never by the modal model that is diagnosed; cracks, damage, axial load, a loss factor and a drifting stiffness
-by finite elements alone, since the others refuse them. Eight channels and the force have {SNR.low:g} to {SNR.high:g} dB
-of noise each. Learnt from are multisines at two levels and the decay after a hammer's blow, 40 s; held out are 8 s of
-another multisine. Hidden is nothing, one effect, two, or a law outside the library; drawn is a calibrated error of
-{FEW:g} to {MOST:g} times the noise, below {MANY:g} in a third of the cases, by the modal model; the engine and the
-diagnosis's own calibration make it less or more, from 0.8 to 58 times in the first 447 cases, where 2 % are below
-{FEW:g} and 4 % above {MOST:g}. Tuning and reported cases have other seeds and generators
-(`testbed/hidden_effects/sets.py`). Two swapped sensors, which have no size to draw, are never hidden.
+by finite elements alone, since the others refuse them. Hidden is nothing, one effect, two, or a law outside the
+library; drawn is a calibrated error of {FEW:g} to {MOST:g} times the noise, below {MANY:g} in a third of the cases, by
+the modal model; the engine and the diagnosis's own calibration make it less or more, from 0.8 to 58 times in the first
+447 reported cases, where 2 % are below {FEW:g} and 4 % above {MOST:g}. The sets of cases have other seeds and
+generators (`testbed/hidden_effects/sets.py`). Two swapped sensors, which have no size to draw, are never hidden.
 
 *Right*: the verdict, and the effect added first has the true kind at the true sleeve or within {NEAR:.0%} of the
 length; of two, both were found; with nothing hidden `complete`, outside the library `unexplained`. *In a group*:
@@ -96,6 +94,8 @@ def page_of(summary: Json, explained: Mapping[str, str], command: str) -> str:
         f"Made by `{command}`: {summary['cases']} {summary['set']} cases.",
         "",
         ABOUT,
+        SETS[summary["set"]].told,
+        "",
         *_bars(summary["bars"]),
         "",
         "## Batches",

@@ -8,10 +8,10 @@ import numpy as np
 from models.arrays import FloatArray
 from models.errors import DivergenceError
 from models.rig import Beam, Rig
-from testbed.hidden_effects.forces import draw_blow, draw_multisine
 from testbed.hidden_effects.motion import amplification, channels_of, growth, impacts, watched
 from testbed.hidden_effects.rigs import draw_rig
-from testbed.hidden_effects.sets import CaseSet
+from testbed.hidden_effects.sets import CaseSet, one_of
+from testbed.hidden_effects.waves import draw_blows
 from testbed.virtual.as_built import perturbed
 
 FEWEST_IMPACTS, MOST_IMPACTS = 4.0, 150.0
@@ -100,7 +100,8 @@ def draw_forces(rig: Rig, fs: float, case_set: CaseSet, rng: np.random.Generator
         rng: draws waves and levels.
     """
     top = min(case_set.top.draw(rng, case_set.shape), HIGHEST * fs)
-    wave, blow = draw_multisine(case_set.learnt, fs, top, rng), draw_blow(fs, case_set.blow_width.draw(rng))
+    tests = one_of(case_set.tests, rng)
+    wave, blow = tests.learnt.draw(fs, top, rng), draw_blows(fs, case_set.blow_width.draw(rng), tests.blows)
     high = find_level(rig, wave, fs, rng)
     if high is None:
         return None
@@ -109,8 +110,8 @@ def draw_forces(rig: Rig, fs: float, case_set: CaseSet, rng: np.random.Generator
     blow = blow * high * case_set.crest.draw(rng, case_set.shape)
     if impacts(rig, blow, fs) < FEWEST_OF_BLOW:
         return None
-    other = draw_multisine(case_set.learnt, fs, top, rng)
-    held = draw_multisine(case_set.held, fs, top, rng)
+    other = tests.learnt.draw(fs, top, rng)
+    held = tests.held.draw(fs, top, rng)
     return {"low": low * other, "high": high * wave, "decay": blow, HELD: between * held}
 
 

@@ -43,7 +43,6 @@ def small_case(task):
         task=task,
         rig=rig,
         truth=truth,
-        snr_db=43.0,
         growth=1.0,
         amplification=1.0,
         chaotic=False,

@@ -12,7 +12,6 @@ from models.effects.sensor_position import SensorPosition
 from models.effects.youngs_modulus import YoungsModulus
 from models.plant import build_plant
 from testbed.hidden_effects.engines import engine_for
-from testbed.hidden_effects.forces import draw_blow, draw_multisine, schroeder_multisine
 from testbed.hidden_effects.hiding import draw_wanted, hide
 from testbed.hidden_effects.imitation import Imitation
 from testbed.hidden_effects.motion import blank_record, channels_of
@@ -20,12 +19,24 @@ from testbed.hidden_effects.outside import OUTSIDE_LAWS
 from testbed.hidden_effects.places import draw_place, is_apart, scene_at
 from testbed.hidden_effects.plan import KINDS, Task
 from testbed.hidden_effects.rigs import draw_rig
-from testbed.hidden_effects.sets import REPORTED, SETS, TUNING
+from testbed.hidden_effects.sets import SETS, TUNING, VARIED
 from testbed.hidden_effects.sizes import jittered, on_the_beam, sized
 from testbed.hidden_effects.tolerated import tolerated
 from testbed.hidden_effects.trials import HELD, LEARNT, draw_trial
 from testbed.hidden_effects.truth import ENGINES, FINE, MODEL, Truth, measure
+from testbed.hidden_effects.waves import (
+    BLOW_AT,
+    DECAY_SECONDS,
+    LOW,
+    Bursts,
+    Multisine,
+    Sweep,
+    draw_blows,
+    schroeder_multisine,
+)
 from testbed.virtual.noise import Noise
+
+NOISE = Noise(0.007, 0.007, share_of="channel")
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +54,9 @@ def test_the_same_seed_draws_the_same_rig_and_another_seed_another(case_set):
     first, again, other = (draw_rig(case_set, np.random.default_rng(seed)) for seed in (1, 1, 2))
     assert first == again
     assert first != other
-    assert len(first.sensors) == 8
+    assert len(first.sensors) in case_set.n_sensors
+    assert {sensor.quantity for sensor in first.sensors} <= set(case_set.quantities)
+    assert {sleeve.law for sleeve in first.sleeves} <= set(case_set.laws)
 
 
 def test_a_trial_has_two_levels_a_blow_and_a_level_between(trial):
@@ -62,12 +75,12 @@ def test_schroeders_multisine_has_its_lines_and_a_low_crest():
     assert np.ptp(lines[excited]) < 1e-9 * lines.max()
     assert lines[~excited].max() < 1e-9 * lines.max()
     assert np.sqrt(np.mean(wave**2)) == pytest.approx(1.0)
-    random = draw_multisine(TUNING.learnt, 1024.0, 200.0, np.random.default_rng(0))
+    random = Multisine("random", "full", 2.0, 16.0).draw(1024.0, 200.0, np.random.default_rng(0))
     assert np.abs(wave).max() < 2.0 < np.abs(random).max()  # Schroeder's is about 1.7, random phases give 3 and more
 
 
 def test_a_blow_is_short_has_the_peak_asked_for_and_leaves_a_decay():
-    blow = draw_blow(2048.0, 4e-3)
+    blow = draw_blows(2048.0, 4e-3, 1)
     assert len(blow) == 8 * 2048
     assert blow.max() == pytest.approx(1.0, abs=0.05)  # the recorder's band rounds it
     assert np.abs(blow[int(0.2 * 2048) :]).max() < 1e-6
@@ -96,7 +109,7 @@ def test_a_law_outside_grows_with_its_size_and_keeps_the_motion_finite(law, tria
 
 def test_nothing_shows_as_the_noise_and_an_effect_as_much_as_asked(trial, built):
     rng = np.random.default_rng(5)
-    imitation = Imitation(trial, 0.007, rng)
+    imitation = Imitation(trial, NOISE, rng)
     assert imitation.shown((), rounds=1) == pytest.approx(1.0)
     place = Place(position=0.8 * built.structure.length)
     start = next(iter(EFFECTS["point_mass"].trials(scene_at(place, trial))))
@@ -110,7 +123,7 @@ def test_two_effects_are_of_two_kinds_at_two_places(trial, built):
     task = Task("tuning", 11, "two", 0)
     for seed in range(6):
         rng = np.random.default_rng(seed)
-        hidden = hide(task, trial, 0.007, draw_wanted(task, rng), rng)
+        hidden = hide(task, trial, NOISE, draw_wanted(task, rng), rng)
         if hidden is not None:
             one, other = hidden.effects
             assert one.kind != other.kind
@@ -200,9 +213,47 @@ def test_a_blank_record_has_the_rigs_channels(built):
     assert build_plant(built).sensors[0].name == record.sensors[0]
 
 
-def test_the_sets_have_other_forces():
-    assert REPORTED.learnt.phases == "schroeder"
-    assert TUNING.learnt.phases == "random"
+@pytest.mark.parametrize("wave", [Sweep(8.0, 2), Bursts(8.0, 4, 0.5), Bursts(8.0, 1, 1.0)], ids=str)
+def test_every_wave_lasts_as_asked_has_rms_1_and_stays_in_its_band(wave):
+    force = wave.draw(1024.0, 200.0, np.random.default_rng(0))
+    assert len(force) == 8192
+    assert np.sqrt(np.mean(force**2)) == pytest.approx(1.0)
+    assert np.abs(force[[0, -1]]).max() < 1e-3  # no blow at its ends
+    power = np.abs(np.fft.rfft(force)) ** 2
+    freq = np.fft.rfftfreq(8192, 1.0 / 1024.0)
+    assert power[(freq < 0.6 * LOW) | (freq > 1.1 * 200.0)].sum() < 1e-3 * power.sum()
+
+
+def test_bursts_are_silent_in_between_and_none_comes_again():
+    force = Bursts(8.0, 4, 0.5).draw(1024.0, 200.0, np.random.default_rng(0)).reshape(4, 2, 1024)
+    assert not force[:, 1].any()
+    likeness = np.corrcoef(force[:, 0])
+    assert np.abs(likeness[np.triu_indices(4, 1)]).max() < 0.5
+
+
+def test_a_sweep_passes_every_frequency_as_often_as_asked():
+    force = Sweep(8.0, 2).draw(1024.0, 200.0, np.random.default_rng(0)).reshape(2, -1)
+    np.testing.assert_array_equal(*force)
+    crossings = np.flatnonzero(np.diff(np.signbit(force[0])))
+    pace = np.diff(crossings)
+    assert (pace[:20].mean() > 4.0 * pace[-20:].mean()) or (pace[-20:].mean() > 4.0 * pace[:20].mean())
+
+
+def test_several_blows_share_the_time():
+    blows = draw_blows(1024.0, 4e-3, 4).reshape(4, -1)
+    assert blows.shape == (4, round(DECAY_SECONDS / 4 * 1024))
+    np.testing.assert_allclose(blows.argmax(axis=1), (BLOW_AT + 2e-3) * 1024, atol=1.5)
+
+
+def test_a_contact_that_stiffens_is_as_stiff_where_it_is_pressed_as_was_drawn():
+    """k p^1.5 / p at 10 um lies in the span of stiffness; a dissipation is no dashpot."""
+    rigs = [draw_rig(VARIED, np.random.default_rng(seed)) for seed in range(60)]
+    sleeves = [sleeve for rig in rigs for sleeve in rig.sleeves]
+    assert {sleeve.law for sleeve in sleeves} == set(VARIED.laws)
+    for sleeve in sleeves:
+        pressed = sleeve.stiffness * (1e-5**0.5 if sleeve.law == "hertz" else 1.0)
+        assert 0.99 * VARIED.stiffness.low <= pressed <= 1.01 * VARIED.stiffness.high
+        assert sleeve.law != "hunt_crossley" or sleeve.damping <= 6.0
 
 
 def test_no_number_is_drawn_at_its_bound_where_it_would_be_another_kind():

@@ -1,4 +1,5 @@
 from collections import Counter
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -49,14 +50,14 @@ def test_an_unknown_kind_is_refused():
         planned("tuning", 3, ["squeze_film"])
 
 
-def test_tuning_and_reported_cases_have_other_seeds_and_other_generators():
-    assert list(SETS) == ["tuning", "reported"]
-    assert set(TUNING.batches).isdisjoint(REPORTED.batches)
+def test_the_sets_have_other_seeds_and_other_generators():
+    assert list(SETS) == ["tuning", "reported", "varied"]
+    for one, other in combinations(SETS.values(), 2):
+        assert set(one.batches).isdisjoint(other.batches)
+        assert set(one.tests).isdisjoint(other.tests)
+        assert one.length != other.length
+        assert one.clearance != other.clearance
     assert TUNING.shape != REPORTED.shape
-    assert TUNING.learnt != REPORTED.learnt
-    assert TUNING.held != REPORTED.held
-    assert TUNING.length != REPORTED.length
-    assert TUNING.clearance != REPORTED.clearance
 
 
 def test_a_span_is_even_over_the_logarithm_or_crowds_at_its_ends():
