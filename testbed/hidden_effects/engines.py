@@ -18,7 +18,7 @@ from models.plant import Plant, build_plant
 from models.simulators import simulator
 from models.simulators.mujoco import n_segments
 from models.simulators.protocol import Resolution
-from testbed.hidden_effects.imitation import Imitation, first_seconds
+from testbed.hidden_effects.imitation import Imitation
 from testbed.hidden_effects.plan import Task
 from testbed.hidden_effects.sizes import ROUNDS
 from testbed.hidden_effects.trials import Trial
@@ -47,7 +47,7 @@ def engine_for(task: Task, trial: Trial, truth: Truth, rng: np.random.Generator)
         rng: draws the noise that the difference is compared with.
     """
     plain, fs = build_plant(truth.built), trial.fs
-    forces = [first_seconds(trial.forces[name], fs) for name in WATCHED]
+    forces = [trial.first_seconds(name) for name in WATCHED]
     imitation = Imitation(trial, truth.noise, rng, WATCHED)
     for engine in _turns(task):
         if engine == FINE:

@@ -24,24 +24,11 @@ FARTHEST = 4.0
 STEP = 0.02
 """Differences are taken over this share of a tolerance."""
 
-SECONDS = 4.0
-"""Of each record that are used; the whole ones tell the same and take longer."""
-
 SMALLEST_SHARE = 0.2
 """Of a Gauss-Newton step that is worth taking."""
 
 ENOUGH = 0.97
 """A step that leaves more than this share ends the calibration."""
-
-
-def first_seconds(force: FloatArray, fs: float) -> FloatArray:
-    """The part of a force that is looked at.
-
-    Args:
-        force: (N,) N.
-        fs: Hz.
-    """
-    return force[: round(SECONDS * fs)]
 
 
 def in_band(channels: FloatArray) -> FloatArray:
@@ -67,7 +54,7 @@ class Imitation:
 
     def __init__(self, trial: Trial, noise: Noise, rng: np.random.Generator, names: Sequence[str] = LEARNT) -> None:
         self.fs = trial.fs
-        self.forces = [first_seconds(trial.forces[name], trial.fs) for name in names]
+        self.forces = [trial.first_seconds(name) for name in names]
         self.drawn, self.built = trial.rig.parameters(), trial.built
         built = trial.built
         self.off = np.array([(b.value - d.value) / d.std for b, d in zip(built.parameters(), self.drawn, strict=True)])

@@ -10,7 +10,7 @@ from models.errors import DivergenceError
 from models.rig import Beam, Rig
 from testbed.hidden_effects.motion import amplification, channels_of, growth, impacts, watched
 from testbed.hidden_effects.rigs import draw_rig
-from testbed.hidden_effects.sets import CaseSet, one_of
+from testbed.hidden_effects.sets import CaseSet, Tests, one_of
 from testbed.hidden_effects.waves import draw_blows
 from testbed.virtual.as_built import perturbed
 
@@ -48,6 +48,7 @@ class Trial:
         built: the rig as built, its toleranced numbers a little off.
         fs: of the records, Hz.
         forces: (N,) N of each record by name: two levels and a blow to learn from, a level between them held out.
+        telling: first seconds of the forces by which the rig is looked at.
         growth: of a small change of Young's modulus, the largest of these records.
         amplification: of the force's noise, the largest of these records.
     """
@@ -56,8 +57,17 @@ class Trial:
     built: Rig
     fs: float
     forces: dict[str, FloatArray]
+    telling: float
     growth: float
     amplification: float
+
+    def first_seconds(self, name: str) -> FloatArray:
+        """The part of a force that is looked at, N.
+
+        Args:
+            name: of the record.
+        """
+        return self.forces[name][: round(self.telling * self.fs)]
 
     @property
     def chaotic(self) -> bool:
@@ -75,32 +85,35 @@ def draw_trial(case_set: CaseSet, *, chaotic: bool, rng: np.random.Generator) ->
     """
     while True:
         rig, fs = draw_rig(case_set, rng), float(rng.choice(case_set.rates))
+        tests = one_of(case_set.tests, rng)
         built = perturbed(rig, rng)
         try:
-            forces = draw_forces(built, fs, case_set, rng)
+            forces = draw_forces(built, fs, case_set, tests, rng)
             if forces is None or deflection(built, forces.values(), fs) > MOST_DEFLECTION:
                 continue
             grown = max(growth(built, force, fs) for force in forces.values())
             amplified = max(amplification(built, force, fs, rng) for force in forces.values())
         except DivergenceError:
             continue
-        trial = Trial(rig, built, fs, forces, grown, amplified)
+        trial = Trial(rig, built, fs, forces, tests.learnt.telling, grown, amplified)
         within = grown <= MOST_GROWTH_OF_CHAOTIC and amplified <= MOST_AMPLIFICATION_OF_CHAOTIC
         if within and trial.chaotic == chaotic:
             return trial
 
 
-def draw_forces(rig: Rig, fs: float, case_set: CaseSet, rng: np.random.Generator) -> dict[str, FloatArray] | None:
+def draw_forces(
+    rig: Rig, fs: float, case_set: CaseSet, tests: Tests, rng: np.random.Generator
+) -> dict[str, FloatArray] | None:
     """(N,) N of each record by name, or None where no level hits the sleeves often enough.
 
     Args:
         rig: to be driven.
         fs: Hz.
-        case_set: what drives it.
+        case_set: at which levels it is driven.
+        tests: by what.
         rng: draws waves and levels.
     """
     top = min(case_set.top.draw(rng, case_set.shape), HIGHEST * fs)
-    tests = one_of(case_set.tests, rng)
     wave, blow = tests.learnt.draw(fs, top, rng), draw_blows(fs, case_set.blow_width.draw(rng), tests.blows)
     high = find_level(rig, wave, fs, rng)
     if high is None:

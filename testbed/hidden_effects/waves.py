@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from math import pi
-from typing import Literal, Protocol
+from typing import ClassVar, Literal, Protocol
 
 import numpy as np
 
@@ -21,8 +21,17 @@ BLOW_AT = 0.1
 DECAY_SECONDS = 8.0
 
 
+ENOUGH = 4.0
+"""s of a wave that is everywhere the same, by which a rig is looked at; the whole tells the same and takes longer."""
+
+
 class Wave(Protocol):
     """A force over time."""
+
+    @property
+    def telling(self) -> float:
+        """First seconds, in which it has done all that it does."""
+        ...
 
     def draw(self, fs: float, top: float, rng: np.random.Generator) -> FloatArray:
         """(N,) one of rms 1.
@@ -50,6 +59,7 @@ class Multisine:
     lines: Lines
     period: float
     duration: float
+    telling: ClassVar[float] = ENOUGH
 
     def draw(self, fs: float, top: float, rng: np.random.Generator) -> FloatArray:
         """As ``Wave`` has it."""
@@ -71,6 +81,11 @@ class Sweep:
     duration: float
     sweeps: int = 1
 
+    @property
+    def telling(self) -> float:
+        """As ``Wave`` has it: once through the band."""
+        return self.duration / self.sweeps
+
     def draw(self, fs: float, top: float, rng: np.random.Generator) -> FloatArray:
         """As ``Wave`` has it."""
         one = logarithmic_sweep(fs, round(self.duration / self.sweeps * fs), LOW, top, 1.0)
@@ -90,6 +105,7 @@ class Bursts:
     duration: float
     turns: int
     share: float
+    telling: ClassVar[float] = ENOUGH
 
     def draw(self, fs: float, top: float, rng: np.random.Generator) -> FloatArray:
         """As ``Wave`` has it; noise is a multisine that never comes again, faded over a tenth of its time."""

@@ -1,5 +1,7 @@
 """Rigs, forces and laws as they are drawn; the modal model alone, so that it stays quick."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -237,6 +239,15 @@ def test_a_sweep_passes_every_frequency_as_often_as_asked():
     crossings = np.flatnonzero(np.diff(np.signbit(force[0])))
     pace = np.diff(crossings)
     assert (pace[:20].mean() > 4.0 * pace[-20:].mean()) or (pace[-20:].mean() > 4.0 * pace[:20].mean())
+
+
+def test_a_rig_is_looked_at_until_its_wave_has_met_the_whole_band(trial):
+    """A slow sweep says nothing of high modes in its first seconds."""
+    assert Sweep(16.0).telling == 16.0
+    assert Sweep(12.0, 3).telling == 4.0
+    swept = replace(trial, telling=Sweep(16.0).telling)
+    assert len(swept.first_seconds("high")) == 16.0 * trial.fs
+    assert len(trial.first_seconds("high")) == 4.0 * trial.fs
 
 
 def test_several_blows_share_the_time():
