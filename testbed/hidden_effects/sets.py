@@ -308,7 +308,15 @@ REPORTED = CaseSet(
             "it and six that were done behind it, all right, are left out. Its misses were looked into while it ran, "
             "by one frozen diagnosis, with up to two other processes beside: its seconds are too high.",
         ),
-        32203: Batch("711be8b"),
+        32203: Batch(
+            "711be8b",
+            8,
+            taught="nothing: its one miss is what the records hold",
+            run="One case at a time, on two threads. Ended after eight cases, when a reading had mended one "
+            "line, which the next seed judges; two done behind the first case that was not done, outside-0, both "
+            "right, are left out.",
+        ),
+        33301: Batch("157201f"),
     },
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),
