@@ -11,7 +11,7 @@ from testbed.hidden_effects.bars import bars_of
 from testbed.hidden_effects.judge import NEAR, position_of
 from testbed.hidden_effects.newest import newest_of
 from testbed.hidden_effects.plan import NOTHING, OUTSIDE, TWO
-from testbed.hidden_effects.sets import FEW, MANY, SETS
+from testbed.hidden_effects.sets import FEW, MANY, SETS, Span
 from testbed.outputs import Json
 
 STAGES = ("before", "calibrated", "after")
@@ -22,9 +22,6 @@ ONE = "one effect"
 
 PROBABILITY_EDGES = (0.0, 0.5, 0.8, 0.95, 0.99, 1.0)
 """Of the bins in which what the diagnosis believes is held against how often it is right."""
-
-SNR_EDGES = (40.0, 42.5, 45.0)
-"""dB."""
 
 SIZE_EDGES = (0.0, 2.0, 3.0, MANY, 10.0, np.inf)
 """Calibrated errors over the noise, between which the cases are counted."""
@@ -73,7 +70,7 @@ def summary_of(cases: Sequence[Json], case_set: str) -> Json:
         "located_since": located([c for c in done if len(c["hidden"]) == 1 and c["seed"] >= LOCATED_ANEW]),
         "contradicted": {name: contradicted(group) for name, group in groups.items()},
         "rig_numbers": rig_numbers([case for case in done if case["judged"]["right"]]),
-        "detection": detection([c for c in done if class_of(c) == ONE]),
+        "detection": detection([c for c in done if class_of(c) == ONE], SETS[case_set].snr),
         "farthest": [_miss(case) for case in farthest(done)],
         "misses": [_miss(case) for case in cases if "judged" not in case or not case["judged"]["right"]],
     }
@@ -337,29 +334,35 @@ def held_out(cases: Sequence[Json]) -> Json:
     }
 
 
-def detection(cases: Sequence[Json]) -> Json:
+def detection(cases: Sequence[Json], snr: Span) -> Json:
     """How many effects of each size are found, and from which size on they are, for two ranges of SNR.
 
     Args:
         cases: of one effect, done.
+        snr: of the set, dB; its halves are the ranges.
     """
+    ranges = tuple(pairwise((snr.low, 0.5 * (snr.low + snr.high), snr.high)))
     rows = [
         {"snr_db": c["snr_db"], "ratio": _ratio(c), "right": c["judged"]["right"], "case": c["case"]} for c in cases
     ]
     limits = []
-    for low, high in pairwise(SNR_EDGES):
+    for low, high in ranges:
         inside = sorted((r for r in rows if low <= r["snr_db"] <= high), key=lambda row: row["ratio"])
         first = _limit(inside)
         ratio = None if first is None else inside[first]["ratio"]
         limits.append({"snr_db": [low, high], "cases": len(inside), "ratio": ratio, "is_least": first == 0})
-    return {"rows": rows, "limits": limits, "by_size": [_of_size(rows, *edges) for edges in pairwise(SIZE_EDGES)]}
+    return {
+        "rows": rows,
+        "limits": limits,
+        "by_size": [_of_size(rows, ranges, *edges) for edges in pairwise(SIZE_EDGES)],
+    }
 
 
-def _of_size(rows: Sequence[Json], low: float, high: float) -> Json:
+def _of_size(rows: Sequence[Json], ranges: Sequence[tuple[float, float]], low: float, high: float) -> Json:
     """Counts of the cases between two sizes, for each range of SNR."""
     alike = [row for row in rows if low <= row["ratio"] < high]
-    ranges = [[r for r in alike if least <= r["snr_db"] <= most] for least, most in pairwise(SNR_EDGES)]
-    counts = [{"right": sum(row["right"] for row in some), "cases": len(some)} for some in ranges]
+    within = [[r for r in alike if least <= r["snr_db"] <= most] for least, most in ranges]
+    counts = [{"right": sum(row["right"] for row in some), "cases": len(some)} for some in within]
     return {"from": low, "to": high if np.isfinite(high) else None, "counts": counts}
 
 
