@@ -6,7 +6,7 @@ from math import exp, hypot, inf, isfinite, log, sqrt
 from identification.evaluate import Evaluator
 from identification.evidence import Ranked, misfit_in_common, probabilities
 from identification.fit import Fit
-from identification.hypothesis import EffectUnknown, PlaceUnknown, RigUnknown
+from identification.hypothesis import EffectUnknown, Hypothesis, PlaceUnknown, RigUnknown
 from identification.reached import LINEAR_APART, NOISE_REACHED
 from identification.result import AddedEffect, Candidate, Estimate, Score
 from identification.scene import is_same_place
@@ -108,25 +108,30 @@ def added_effects(result: Fit, rounds: Sequence[Sequence[Ranked]], among: float)
 
 
 def candidates_of(
-    ranked: Sequence[Ranked], chances: Sequence[float], evaluator: Evaluator, among: float
+    ranked: Sequence[Ranked], chances: Sequence[float], evaluator: Evaluator, among: float, without: Hypothesis
 ) -> tuple[Candidate, ...]:
     """What was judged in a round, with its error on the records of the refits.
 
-    What was ruled out by the beginning of the records was not refitted: its error is that of the noise, as many times
-    as the beginning left it.
+    What was ruled out by the beginning of the records was not refitted: refitted it would err no more than the model
+    as the beginning left it, nor than that without it.
 
     Args:
         ranked: of the round.
         chances: shares of the evidence.
         evaluator: the records of the refits.
         among: probability that the truth is among it (``tried``).
+        without: the model that the round's effects were tried beside.
     """
-    noise = evaluator.nrmse_of_noise
+
+    def at_most(found: Fit) -> float:
+        rows = evaluator.residuals([(model, None) for model in (without, found.hypothesis)])
+        return min((evaluator.nrmse_of(row) for row in rows if row is not None), default=inf)
+
     return tuple(
         Candidate(
             r.effect,
             among * chance,
-            evaluator.nrmse_of(r.fit.residual) if r.refitted else r.fit.ratio * noise,
+            evaluator.nrmse_of(r.fit.residual) if r.refitted else at_most(r.fit),
             r.log_evidence - ranked[0].log_evidence,
             r.refitted,
         )

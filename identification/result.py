@@ -130,7 +130,7 @@ class Candidate:
             was not judged (``outcome.tried``).
         nrmse: error of the model with it on the records it was judged on.
         log_evidence: natural logarithm, relative to the best of the round.
-        refitted: False where only the screening judged it; its nrmse is then an estimate.
+        refitted: False where only the beginning of the records judged it; its nrmse is then an upper bound.
     """
 
     effect: Effect

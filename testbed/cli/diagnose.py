@@ -24,6 +24,10 @@ Alike = Annotated[
 Again = Annotated[bool, typer.Option("--again", help="Repeat a run whose results are there already.")]
 
 
+MOST_TOLD = 4
+"""Findings on the files that are told in words before the work begins."""
+
+
 def diagnose(
     rig: RigFile,
     records: Records,
@@ -63,10 +67,10 @@ def diagnose_files(
         from testbed.run import run_diagnosis
 
         inputs = read_inputs(rig, records, holdout, without=without, strict=False)
-        if inputs.findings:
-            tell(
-                f"{len(inputs.findings)} findings on the files, told with the result; testbed check shows them at once"
-            )
+        for finding in inputs.findings[:MOST_TOLD]:
+            tell(finding)
+        if more := len(inputs.findings[MOST_TOLD:]):
+            tell(f"and {more} more findings on the files, told with the result; testbed check shows them at once")
         command = ["testbed", *sys.argv[1:]]
         outcome = run_diagnosis(
             inputs, out, seed=seed, jobs=jobs, again=again, command=command, progress=tell, alike=alike

@@ -89,7 +89,7 @@ def spectrum_figure(found: Identification, decay: Decay, name: str, unit: str) -
     top.plot(decay.start + np.arange(decay.signals.shape[1]) / decay.fs, decay.signals[channel], linewidth=0.5)
     top.set(xlabel="time [s]", ylabel=f"strongest channel [{unit}]", title=f"{name}: decay as analysed")
     plot_spectrum(bottom, found)
-    figure.legend(*bottom.get_legend_handles_labels(), fontsize=8, loc="outside lower center", ncols=3)
+    figure.legend(*bottom.get_legend_handles_labels(), fontsize=8, loc="outside lower center", ncols=2)
     return figure
 
 

@@ -35,16 +35,20 @@ class Fault:
     reason: str
 
 
-def find_faults(responses: dict[str, FloatArray], rig: Rig, expected: tuple[str, ...]) -> list[Fault]:
+def find_faults(
+    responses: dict[str, FloatArray], rig: Rig, expected: tuple[str, ...], strangers: tuple[str, ...] = ()
+) -> list[Fault]:
     """The faults of a record's channels.
 
     Args:
         responses: sensor -> (N,) samples, SI.
         rig: where the sensors are.
         expected: the sensors that should be there.
+        strangers: channels of the record that are no sensor of the rig: one that is missing may go by another name.
     """
     missing = tuple(name for name in expected if name not in responses)
-    faults = [Fault(missing, f"no channel for {', '.join(missing)}")] if missing else []
+    instead = f", but {', '.join(strangers)}, which the rig does not know" if strangers else ""
+    faults = [Fault(missing, f"no channel for {', '.join(missing)}{instead}")] if missing else []
     dead = [name for name, samples in responses.items() if is_dead(samples)]
     faults += [Fault((name,), f"channel {name} is dead: {responses[name][0]:g} throughout") for name in dead]
     alive = {name: samples for name, samples in responses.items() if name not in dead}

@@ -32,7 +32,7 @@ def because(diagnosis: Diagnosis) -> str:
         best = diagnosis.candidates[0]
         return (
             f"Of {len(diagnosis.candidates)} suspects the best, {best.effect.label()}, would miss "
-            f"{_about(best)}{percent(best.nrmse)} of the records it was weighed on."
+            f"{_at_most(best)}{percent(best.nrmse)} of the records it was weighed on."
         )
     first = diagnosis.added[0]
     chosen = next((each for each in diagnosis.candidates if _same(each.effect, first.effect)), None)
@@ -44,12 +44,12 @@ def because(diagnosis: Diagnosis) -> str:
     rivals = [c for c in diagnosis.candidates if c is not chosen and not any(_same(c.effect, e) for e in alike)]
     if not rivals:
         return shows
-    rival = max(rivals, key=lambda each: each.log_evidence)
+    rival = max(rivals, key=lambda each: (each.refitted, each.log_evidence))  # the beginning alone says less
     behind = chosen.log_evidence - rival.log_evidence
     how = "decisively" if behind > DECISIVE else "not decisively"
     return (
         f"{shows} With {first.effect.label()} the model misses {percent(chosen.nrmse)} of the records it was weighed "
-        f"on; the next best, {rival.effect.label()}, misses {_about(rival)}{percent(rival.nrmse)} and stands "
+        f"on; the next best, {rival.effect.label()}, misses {_at_most(rival)}{percent(rival.nrmse)} and stands "
         f"{number(float(f'{behind:.2g}'))} behind in log evidence, {how}."
     )
 
@@ -58,8 +58,8 @@ def _same(one: Effect, other: Effect) -> bool:
     return one.label() == other.label()
 
 
-def _about(candidate: Candidate) -> str:
-    return "" if candidate.refitted else "about "
+def _at_most(candidate: Candidate) -> str:
+    return "" if candidate.refitted else "at most "
 
 
 def _shows(effect: Effect) -> str:

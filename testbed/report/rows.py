@@ -102,7 +102,7 @@ def candidate_rows(diagnosis: Diagnosis) -> list[Row]:
             "words": candidate.effect.in_words(),
             "probability": chance(candidate.probability),
             "width": f"{100.0 * candidate.probability:.1f}",
-            "nrmse": ("" if candidate.refitted else "about ") + percent(candidate.nrmse),
+            "nrmse": ("" if candidate.refitted else "at most ") + percent(candidate.nrmse),
             "evidence": number(float(f"{candidate.log_evidence:.3g}")),
             "judged": "refitted" if candidate.refitted else "screened",
         }

@@ -141,11 +141,16 @@ def test_candidates_stand_beside_the_best_with_errors_of_the_records():
     fitted, ruled_out = ranked(MASS, -50.0), replace(ranked(GAIN, -53.0, ratio=2.0), refitted=False)
     fitted = replace(fitted, fit=replace(fitted.fit, residual=residual))
 
-    best, other = candidates_of([fitted, ruled_out], [0.9, 0.05, 0.05], evaluator, 0.97)
+    without = replace(Hypothesis(REFERENCE), values={"youngs_modulus": 1.05 * REFERENCE.structure.youngs_modulus})
+    best, other = candidates_of([fitted, ruled_out], [0.9, 0.05, 0.05], evaluator, 0.97, without)
+    bounds = [
+        evaluator.nrmse_of(row) for row in evaluator.residuals([(without, None), (ruled_out.fit.hypothesis, None)])
+    ]
 
     assert (best.log_evidence, other.log_evidence) == (0.0, -3.0)
     assert best.nrmse == pytest.approx(nrmse(scored_spectrum(left), target.measured))
-    assert other.nrmse == pytest.approx(2.0 * target.nrmse_of_noise)
+    assert other.nrmse == pytest.approx(min(bounds))
+    assert max(bounds) > 1.1 * min(bounds)
     assert (best.probability, best.effect, other.refitted) == (pytest.approx(0.97 * 0.9), MASS, False)
 
 

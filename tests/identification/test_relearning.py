@@ -24,7 +24,7 @@ def test_what_was_ranked_on_the_part_is_ranked_on_the_whole():
     chain, rounds = everything_again(session, [part], [[row]])
 
     assert chain[0].n_data == rounds[0][0].fit.n_data == session.fitting.n_data > suspect.n_data
-    (told,) = candidates_of(rounds[0], [1.0], session.fitting, 1.0)
+    (told,) = candidates_of(rounds[0], [1.0], session.fitting, 1.0, Hypothesis(OSCILLATOR))
     assert told.nrmse == pytest.approx(session.fitting.targets[0].nrmse_of_noise, rel=0.1)
 
 

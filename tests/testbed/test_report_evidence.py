@@ -148,8 +148,18 @@ def test_a_rival_of_its_own_group_is_no_rival():
 
     words = because(grouped)
 
-    assert "sensor_gain on P4, misses about 20 % and stands 3 behind in log evidence, not decisively" in words
+    assert "sensor_gain on P4, misses at most 20 % and stands 3 behind in log evidence, not decisively" in words
     assert FRICTION.label() not in words
+
+
+def test_the_rival_is_one_that_was_refitted_where_there_is_one():
+    """The beginning of a sweep, where little moves, says less against a suspect than whole records would."""
+    diagnosis = made_up_diagnosis(RIG)
+    screened = Candidate(SensorGain(P4, gain=0.8), 0.0, 0.2, -1.0, refitted=False)
+
+    words = because(replace(diagnosis, candidates=(*diagnosis.candidates, screened)))
+
+    assert f"the next best, {FRICTION.label()}, misses 5.0 %" in words
 
 
 def test_the_best_that_was_not_enough_is_named():
