@@ -110,7 +110,7 @@ def with_others_there(
     rows = with_evidence([*ranked, *_simpler_rows(fitting, base, ranked, registry)])
     far = said_of_far_numbers(rows[0].fit, registry) if rows else ()
     said = [row for start in far for row in begun_at_leader(fitting, base, rows, *start)]
-    rows = with_evidence([*rows, *said]) if said else rows
+    rows = with_evidence([*rows, *said])
     rows = with_evidence([*rows, *_of_the_sleeve(fitting, base, rows, registry)])
     return settled_apart(fitting, _with_sleeves(fitting, base, rows), progress)
 

@@ -112,8 +112,8 @@ def candidates_of(
 ) -> tuple[Candidate, ...]:
     """What was judged in a round, with its error on the records of the refits.
 
-    What was ruled out by the beginning of the records was not refitted: refitted it would err no more than the model
-    as the beginning left it, nor than that without it.
+    What was not refitted would leave no more chi-square, refitted, than the model as it was left, nor than that without
+    it; the less of their errors is told.
 
     Args:
         ranked: of the round.
@@ -122,16 +122,14 @@ def candidates_of(
         among: probability that the truth is among it (``tried``).
         without: the model that the round's effects were tried beside.
     """
-
-    def at_most(found: Fit) -> float:
-        rows = evaluator.residuals([(model, None) for model in (without, found.hypothesis)])
-        return min((evaluator.nrmse_of(row) for row in rows if row is not None), default=inf)
-
+    screened = [row.fit.hypothesis for row in ranked if not row.refitted]
+    bare, *rest = evaluator.residuals([(model, None) for model in (without, *screened)])
+    bounds = iter([min(evaluator.nrmse_of(each) for each in (bare, row) if each is not None) for row in rest])
     return tuple(
         Candidate(
             r.effect,
             among * chance,
-            evaluator.nrmse_of(r.fit.residual) if r.refitted else at_most(r.fit),
+            evaluator.nrmse_of(r.fit.residual) if r.refitted else next(bounds),
             r.log_evidence - ranked[0].log_evidence,
             r.refitted,
         )

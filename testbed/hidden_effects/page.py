@@ -110,13 +110,7 @@ def page_of(summary: Json, explained: Mapping[str, str], command: str) -> str:
         "",
         *_runs(summary),
         "",
-        "## The newest batches",
-        "",
-        NEWEST,
-        f"Seeds {', '.join(str(seed) for seed in summary['newest']['seeds'])}:",
-        "",
-        *_bars(summary["newest"]["bars"]),
-        "",
+        *_newest(summary),
         "## Where",
         "",
         WHERE,
@@ -140,6 +134,14 @@ def page_of(summary: Json, explained: Mapping[str, str], command: str) -> str:
     lines += ["", "## Missed, one by one", "", *_misses(missed, explained)]
     lines += ["", "## Right, but far from the noise", "", FARTHEST, *_misses(summary["farthest"], explained)]
     return "\n".join(lines) + "\n"
+
+
+def _newest(summary: Json) -> list[str]:
+    """The figures of the newest batches, where the set has more than one."""
+    if len(summary["batches"]) == 1:
+        return []
+    told = f"Seeds {', '.join(str(seed) for seed in summary['newest']['seeds'])}:"
+    return ["## The newest batches", "", NEWEST, told, "", *_bars(summary["newest"]["bars"]), ""]
 
 
 def _heads(columns: Sequence[str]) -> tuple[str, str]:

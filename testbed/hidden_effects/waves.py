@@ -19,9 +19,10 @@ BLOW_AT = 0.1
 """s from the record's start, or from that of a blow's turn."""
 
 DECAY_SECONDS = 8.0
+"""Of the record of the hammer, however many its blows."""
 
 
-ENOUGH = 4.0
+STEADY_TELLS = 4.0
 """s of a wave that is everywhere the same, by which a rig is looked at; the whole tells the same and takes longer."""
 
 
@@ -59,7 +60,7 @@ class Multisine:
     lines: Lines
     period: float
     duration: float
-    telling: ClassVar[float] = ENOUGH
+    telling: ClassVar[float] = STEADY_TELLS
 
     def draw(self, fs: float, top: float, rng: np.random.Generator) -> FloatArray:
         """As ``Wave`` has it."""
@@ -105,7 +106,7 @@ class Bursts:
     duration: float
     turns: int
     share: float
-    telling: ClassVar[float] = ENOUGH
+    telling: ClassVar[float] = STEADY_TELLS
 
     def draw(self, fs: float, top: float, rng: np.random.Generator) -> FloatArray:
         """As ``Wave`` has it; noise is a multisine that never comes again, faded over a tenth of its time."""

@@ -44,10 +44,11 @@ def find_faults(
         responses: sensor -> (N,) samples, SI.
         rig: where the sensors are.
         expected: the sensors that should be there.
-        strangers: channels of the record that are no sensor of the rig: one that is missing may go by another name.
+        strangers: channels of the record that no sensor of the rig can mean: as many as are missing, or fewer, may be
+            these by other names.
     """
     missing = tuple(name for name in expected if name not in responses)
-    instead = f", but {', '.join(strangers)}, which the rig does not know" if strangers else ""
+    instead = f", but {', '.join(strangers)}, which the rig does not know" if 0 < len(strangers) <= len(missing) else ""
     faults = [Fault(missing, f"no channel for {', '.join(missing)}{instead}")] if missing else []
     dead = [name for name, samples in responses.items() if is_dead(samples)]
     faults += [Fault((name,), f"channel {name} is dead: {responses[name][0]:g} throughout") for name in dead]

@@ -21,4 +21,5 @@ def test_a_drawing_names_its_parts_by_number_so_that_round_off_moves_none_of_the
     assert parts
     assert len(parts) == len(set(parts))
     used = {name for pair in re.findall(rb"url\(#(\w+)\)|href=\"#(\w+)\"", one) for name in pair if name}
+    assert used
     assert used <= set(parts)
