@@ -19,14 +19,12 @@ class Matched:
         excitation: its channel, if there is one.
         excitation_position: m from the clamp, where it is not the rig's.
         findings: channels that match nothing, and guesses.
-        strangers: channels that no sensor of the rig can mean, as they are shown.
     """
 
     sensors: dict[str, RawChannel]
     excitation: RawChannel | None
     excitation_position: float | None
     findings: tuple[str, ...]
-    strangers: tuple[str, ...]
 
 
 def match(recording: Recording, rig: Rig, without: Sequence[str] = ()) -> Matched:
@@ -56,7 +54,6 @@ def match(recording: Recording, rig: Rig, without: Sequence[str] = ()) -> Matche
         for channel in others
         if not any(channel is used for used in sensors.values()) and _is_unexpected(channel.tag, rig, without)
     ]
-    unknown = tuple(c.tag.shown for c in others if c.tag.shown in strangers and sensor_of(c.tag, rig.sensors) is None)
     unused = [f"{recording.file}: channel {name} is no sensor of the rig and was passed over" for name in strangers]
     if excitation is None and rig.excitation is not None and rig.excitation.name not in without and strangers:
         raise InputError(
@@ -67,7 +64,7 @@ def match(recording: Recording, rig: Rig, without: Sequence[str] = ()) -> Matche
             + "; without it a record is a free decay",
             f"rename the channel, or read the record as a free decay with --without {rig.excitation.name}",
         )
-    return Matched(sensors, excitation, position, (*recording.remarks, *findings, *unused), unknown)
+    return Matched(sensors, excitation, position, (*recording.remarks, *findings, *unused))
 
 
 def sensor_of(tag: Tag, sensors: Sequence[Sensor]) -> Sensor | None:

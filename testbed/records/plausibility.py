@@ -35,21 +35,16 @@ class Fault:
     reason: str
 
 
-def find_faults(
-    responses: dict[str, FloatArray], rig: Rig, expected: tuple[str, ...], strangers: tuple[str, ...] = ()
-) -> list[Fault]:
+def find_faults(responses: dict[str, FloatArray], rig: Rig, expected: tuple[str, ...]) -> list[Fault]:
     """The faults of a record's channels.
 
     Args:
         responses: sensor -> (N,) samples, SI.
         rig: where the sensors are.
         expected: the sensors that should be there.
-        strangers: channels of the record that no sensor of the rig can mean: as many as are missing, or fewer, may be
-            these by other names.
     """
     missing = tuple(name for name in expected if name not in responses)
-    instead = f", but {', '.join(strangers)}, which the rig does not know" if 0 < len(strangers) <= len(missing) else ""
-    faults = [Fault(missing, f"no channel for {', '.join(missing)}{instead}")] if missing else []
+    faults = [Fault(missing, f"no channel for {', '.join(missing)}")] if missing else []
     dead = [name for name, samples in responses.items() if is_dead(samples)]
     faults += [Fault((name,), f"channel {name} is dead: {responses[name][0]:g} throughout") for name in dead]
     alive = {name: samples for name, samples in responses.items() if name not in dead}

@@ -107,7 +107,7 @@ def _time_record(
     _check_rate(file, n_samples, fs, freq)
     _check_duration(file, n_samples, fs, freq)
     excitation, position = signals.excitation, matched.excitation_position
-    faults = find_faults(signals.responses, rig, expected, matched.strangers)
+    faults = find_faults(signals.responses, rig, expected)
     if excitation is not None and is_dead(excitation):
         assert rig.excitation is not None
         name = rig.excitation.name
