@@ -173,7 +173,8 @@ def posterior(motion: SmallMotion, given: Rig, modes: TappedModes, course: Float
         total -= 0.5 * np.sum((x[:, 5:] / np.log(10.0)) ** 2, axis=1)
         for freq, ratio, at in zip(freqs, ratios, seen, strict=True):
             poles = motion.poles(_damped(draws, at))
-            apart = np.log(np.abs(poles) / (2.0 * np.pi) / freq), -poles.real / np.abs(poles) / ratio - 1.0
+            omega = np.maximum(np.abs(poles), np.finfo(float).tiny)  # far out a dashpot may hold the rod for good
+            apart = np.log(omega / (2.0 * np.pi) / freq), -poles.real / omega / ratio - 1.0
             for which, misses in enumerate(apart):
                 scale = errors[:, which]
                 told = 0.5 * np.sum((misses / scale[:, None]) ** 2, axis=1) + MODES * np.log(scale)
