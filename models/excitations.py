@@ -94,8 +94,7 @@ def logarithmic_sweep(fs: float, n_samples: int, low: float, high: float, amplit
     ratio = np.log(high / low)
     phase = 2.0 * np.pi * low * duration / ratio * np.expm1(time / duration * ratio)
     ends = np.minimum(time, duration - time) / (0.05 * duration)
-    fade = 0.5 * (1.0 - np.cos(np.pi * np.clip(ends, 0.0, 1.0)))
-    return np.asarray(amplitude * fade * np.sin(phase))
+    return np.asarray(amplitude * faded(ends) * np.sin(phase))
 
 
 def stepped_sine(fs: float, low: float, high: float, steps: int, cycles: float, amplitude: float) -> FloatArray:
@@ -116,10 +115,17 @@ def stepped_sine(fs: float, low: float, high: float, steps: int, cycles: float, 
     ends = np.cumsum(cycles / freqs)
     time = np.arange(int(np.ceil(ends[-1] * fs))) / fs
     knots, turns = np.concatenate([[0.0], ends]), np.concatenate([[0.0], cycles * np.arange(1, steps + 1)])
-    fade = np.clip(time / (0.1 * ends[0]), 0.0, 1.0)
-    return np.asarray(
-        amplitude * 0.5 * (1.0 - np.cos(np.pi * fade)) * np.sin(2.0 * np.pi * np.interp(time, knots, turns))
-    )
+    fade = faded(time / (0.1 * ends[0]))
+    return np.asarray(amplitude * fade * np.sin(2.0 * np.pi * np.interp(time, knots, turns)))
+
+
+def faded(along: FloatArray) -> FloatArray:
+    """Half a cosine from 0 to 1 by which a signal fades in, in the argument's shape.
+
+    Args:
+        along: where in the fade, 0 at its start and 1 at its end, or beyond them.
+    """
+    return np.asarray(0.5 * (1.0 - np.cos(np.pi * np.clip(along, 0.0, 1.0))))
 
 
 def half_sine_hammer(fs: float, n_samples: int, start: float, width: float, peak: float) -> FloatArray:

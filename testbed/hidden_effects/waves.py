@@ -8,7 +8,7 @@ import numpy as np
 
 from models.arrays import FloatArray
 from models.band_limit import record_channels
-from models.excitations import Lines, half_sine_hammer, logarithmic_sweep, random_phase_multisine
+from models.excitations import Lines, faded, half_sine_hammer, logarithmic_sweep, random_phase_multisine
 
 Phases = Literal["random", "schroeder"]
 
@@ -109,11 +109,10 @@ class Bursts:
     telling: ClassVar[float] = STEADY_TELLS
 
     def draw(self, fs: float, top: float, rng: np.random.Generator) -> FloatArray:
-        """As ``Wave`` has it; noise is a multisine that never comes again, faded over a tenth of its time."""
+        """As ``Wave`` has it; noise is a multisine that never comes again, faded in and out over a tenth each."""
         turn = round(self.duration / self.turns * fs)
         loud = round(self.share * turn)
-        ends = np.minimum(np.arange(loud), np.arange(loud)[::-1]) / (0.1 * loud)
-        fade = 0.5 * (1.0 - np.cos(pi * np.clip(ends, 0.0, 1.0)))
+        fade = faded(np.minimum(np.arange(loud), np.arange(loud)[::-1]) / (0.1 * loud))
         silence = np.zeros(turn - loud)
         bursts = [fade * random_phase_multisine(rng, fs, loud, 1, LOW, top, 1.0) for _ in range(self.turns)]
         return _of_rms_1(np.concatenate([part for burst in bursts for part in (burst, silence)]))

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from scipy.signal import welch
 
 from identification.locating.located import Located
-from identification.result import Candidate, Diagnosis, RecordScore, Stage
+from identification.result import Diagnosis, RecordScore, Stage
 from models.arrays import ComplexArray, FloatArray
 from models.band_limit import SCORE_EDGE
 from models.effects import Effect
@@ -18,7 +18,7 @@ from testbed.quantities import unit_of
 from testbed.report.fall import where_it_falls
 from testbed.report.figures import WIDTH
 from testbed.report.picture import Picture, picture
-from testbed.report.words import number, percent, stage_kind
+from testbed.report.words import error_of, number, percent, stage_kind
 
 DECISIVE = 5.0
 """Difference of log evidence from which a rival is out."""
@@ -32,7 +32,7 @@ def because(diagnosis: Diagnosis) -> str:
         best = diagnosis.candidates[0]
         return (
             f"Of {len(diagnosis.candidates)} suspects the best, {best.effect.label()}, would miss "
-            f"{_at_most(best)}{percent(best.nrmse)} of the records it was weighed on."
+            f"{error_of(best)} of the records it was weighed on."
         )
     first = diagnosis.added[0]
     chosen = next((each for each in diagnosis.candidates if _same(each.effect, first.effect)), None)
@@ -49,17 +49,13 @@ def because(diagnosis: Diagnosis) -> str:
     how = "decisively" if behind > DECISIVE else "not decisively"
     return (
         f"{shows} With {first.effect.label()} the model misses {percent(chosen.nrmse)} of the records it was weighed "
-        f"on; the next best, {rival.effect.label()}, misses {_at_most(rival)}{percent(rival.nrmse)} and stands "
+        f"on; the next best, {rival.effect.label()}, misses {error_of(rival)} and stands "
         f"{number(float(f'{behind:.2g}'))} behind in log evidence, {how}."
     )
 
 
 def _same(one: Effect, other: Effect) -> bool:
     return one.label() == other.label()
-
-
-def _at_most(candidate: Candidate) -> str:
-    return "" if candidate.refitted else "at most "
 
 
 def _shows(effect: Effect) -> str:

@@ -13,7 +13,7 @@ from models.band_limit import PASS_EDGE, SCORE_EDGE, STOP_EDGE
 from models.rig import Rig
 from models.simulate import STEP_RATE
 from testbed.quantities import unit_of
-from testbed.report.words import chance, number, percent, stage_kind, with_std
+from testbed.report.words import chance, error_of, number, percent, stage_kind, with_std
 
 Row = Mapping[str, str]
 
@@ -102,7 +102,7 @@ def candidate_rows(diagnosis: Diagnosis) -> list[Row]:
             "words": candidate.effect.in_words(),
             "probability": chance(candidate.probability),
             "width": f"{100.0 * candidate.probability:.1f}",
-            "nrmse": ("" if candidate.refitted else "at most ") + percent(candidate.nrmse),
+            "nrmse": error_of(candidate),
             "evidence": number(float(f"{candidate.log_evidence:.3g}")),
             "judged": "refitted" if candidate.refitted else "screened",
         }

@@ -6,7 +6,7 @@ import numpy as np
 
 from identification.locating.located import PlacedForce
 from identification.reached import ERROR_REACHED
-from identification.result import Diagnosis, Estimate, MissingForce, Score, Stage, largest_at, loudest
+from identification.result import Candidate, Diagnosis, Estimate, MissingForce, Score, Stage, largest_at, loudest
 
 COUNTS = ("no effect", "one effect", "two effects", "three effects", "four effects", "five effects")
 
@@ -21,6 +21,15 @@ def percent(share: float) -> str:
 
 
 TWO_DIGITS = 0.0995
+
+
+def error_of(candidate: Candidate) -> str:
+    """What a model with a suspect misses, a bound where it was not refitted: ``5.0 %``, ``at most 5.0 %``.
+
+    Args:
+        candidate: judged in a round.
+    """
+    return ("" if candidate.refitted else "at most ") + percent(candidate.nrmse)
 
 
 def chance(probability: float) -> str:
