@@ -4,7 +4,6 @@ import ast
 import re
 import subprocess
 import sys
-import time
 import tomllib
 from collections import Counter
 from pathlib import Path
@@ -86,14 +85,12 @@ def test_test_files_have_unique_names_and_no_packages():
 
 def test_version_answers_before_anything_heavy_is_imported():
     command = [sys.executable, "-X", "importtime", "-m", "testbed", "--version"]
-    start = time.perf_counter()
     result = subprocess.run(command, cwd=HOUSE, capture_output=True, text=True, check=True)
-    seconds = time.perf_counter() - start
     imported = {line.split("|")[-1].strip().split(".")[0] for line in result.stderr.splitlines()}
     assert re.fullmatch(r"testbed \d+\.\d+\.\d+\n", result.stdout)
     assert "testbed" in imported
     assert imported & HEAVY == set()
-    assert seconds < 1.0  # about 0.05 s alone; the rest is room for a busy machine
+    assert len(result.stderr.splitlines()) < 200  # 67 modules with those of a bare interpreter
 
 
 def test_the_lock_holds_exact_versions_only_and_in_order():

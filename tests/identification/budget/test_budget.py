@@ -167,14 +167,22 @@ def test_what_a_perfect_model_could_still_gain():
     assert perfect.possible.sum() < 0.05 * perfect.noise.sum()
 
 
-def test_it_is_quick():
+def test_it_costs_no_more_than_some_transforms_of_the_records():
+    """65 times one transform of every channel on a quiet machine; the rest is room for a busy one."""
     rng = np.random.default_rng(1)
     drive = np.tile(multisine(1, 1), 32)
     rows = np.stack([drive] * 8) + 0.01 * rng.standard_normal((8, len(drive)))
     records = [Record(f"r{i}", 2048.0, drive, tuple("abcdefgh"), rows) for i in range(3)]
-    start = time.process_time()
-    budget_of(records)
-    assert time.process_time() - start < 3.0  # 0.6 s alone; the rest is room for a busy machine
+    costs: dict[str, list[float]] = {"budget": [], "transforms": []}
+    for _ in range(3):
+        start = time.process_time()
+        budget_of(records)
+        costs["budget"].append(time.process_time() - start)
+        start = time.process_time()
+        for _ in records:
+            np.fft.rfft(np.vstack((drive, rows)))
+        costs["transforms"].append(time.process_time() - start)
+    assert min(costs["budget"]) < 200.0 * min(costs["transforms"])
 
 
 def test_no_record_is_an_error():
