@@ -49,7 +49,7 @@ def score(evaluator: Evaluator, hypothesis: Hypothesis) -> Score:
                 record=target.record,
                 predicted=target.at_its_zero(response.channels),
                 noise=target.noise,
-                nrmse=nrmse(residual, target.measured),
+                nrmse=nrmse(residual, target.measured, target.quantities),
                 noise_nrmse=target.nrmse_of_noise,
                 channel_nrmse=np.sqrt(np.sum(np.abs(residual) ** 2, axis=1) / power),
                 channel_noise_nrmse=np.sqrt(target.noise_power / power),

@@ -15,6 +15,7 @@ from scipy.ndimage import uniform_filter1d
 from threadpoolctl import threadpool_limits
 
 from identification.hypothesis import Hypothesis
+from identification.metrics import pooled_nrmse
 from identification.noise import Noise
 from identification.rest_target import FrfTarget, ModesTarget
 from models.arrays import BoolArray, ComplexArray, FloatArray
@@ -68,8 +69,7 @@ class TimeTarget:
             density, since noise may grow through a record. Empty where none was carried.
         unjudged: samples at the start of a record, or of a later part of one, that was in motion before: the recorder
             saw that and the model does not.
-        without_zero: (n,) whether the mean of a channel tells nothing: what a sensor of acceleration reads at rest is
-            its own, and gravity's.
+        quantities: of the sensors; all "" where it is one that counts from rest.
     """
 
     record: Record
@@ -80,15 +80,22 @@ class TimeTarget:
     whole: float
     carried: FloatArray = field(default_factory=lambda: np.empty((0, 0, 0)), repr=False)
     unjudged: int = 0
-    without_zero: BoolArray = field(default_factory=lambda: np.empty(0, bool))
+    quantities: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, record: Record, noise: Noise, unjudged: int = 0, without_zero: BoolArray | None = None) -> "TimeTarget":
+    def of(
+        cls, record: Record, noise: Noise, unjudged: int = 0, quantities: tuple[str, ...] | None = None
+    ) -> "TimeTarget":
         """With the sensors' noise alone."""
-        free = np.zeros(len(record.sensors), bool) if without_zero is None else without_zero
-        measured = _judged_spectrum(record.responses, unjudged, free)
-        bare = cls(record, noise, measured, np.empty(0), record, record.duration, unjudged=unjudged, without_zero=free)
+        kinds = ("",) * len(record.sensors) if quantities is None else quantities
+        measured = _judged_spectrum(record.responses, unjudged, zero_is_lost(kinds))
+        bare = cls(record, noise, measured, np.empty(0), record, record.duration, unjudged=unjudged, quantities=kinds)
         return bare.with_noise(noise)
+
+    @property
+    def without_zero(self) -> BoolArray:
+        """(n,) whether the mean of a channel tells nothing."""
+        return zero_is_lost(self.quantities)
 
     def with_noise(self, noise: Noise) -> "TimeTarget":
         """With another noise of the sensors, and none carried from the excitation."""
@@ -165,7 +172,7 @@ class TimeTarget:
             density=self.density[kept],
             driven=driven,
             carried=carried,
-            without_zero=self.without_zero[kept],
+            quantities=tuple(self.quantities[k] for k in kept),
         )
 
     def exchanged(self, name: str, other: str) -> "TimeTarget":
@@ -188,7 +195,7 @@ class TimeTarget:
             measured=self.measured[order],
             density=density,
             driven=driven,
-            without_zero=self.without_zero[order],
+            quantities=tuple(self.quantities[k] for k in order),
         )
 
     def spectrum(self, channels: FloatArray) -> ComplexArray:
@@ -239,7 +246,7 @@ class TimeTarget:
     @property
     def nrmse_of_noise(self) -> float:
         """NRMSE that the noise alone leaves."""
-        return float(np.sqrt(self.noise_power.sum() / np.sum(np.abs(self.measured) ** 2)))
+        return pooled_nrmse(self.noise_power, np.sum(np.abs(self.measured) ** 2, axis=1), self.quantities)
 
     @property
     def noise_power(self) -> FloatArray:
@@ -248,12 +255,22 @@ class TimeTarget:
 
     def nrmse_left(self, residual: FloatArray) -> float:
         """NRMSE of a residual, (n_data,) in units of the noise."""
-        return nrmse(unwhitened(residual, self) * np.sqrt(float(self.record.n_samples)), self.measured)
+        return nrmse(unwhitened(residual, self) * np.sqrt(float(self.record.n_samples)), self.measured, self.quantities)
 
     def residual(self, hypothesis: Hypothesis, settings: Settings) -> FloatArray:
         """(n_data,) model minus measured in standard deviations of the noise."""
         channels = hypothesis.simulated(self.driven, settings).channels
         return whitened(self.spectrum(channels) - self.measured, self)
+
+
+WITHOUT_ZERO = frozenset({"acceleration", "angular_velocity"})
+"""Quantities whose mean over a test tells nothing of the rig: motion that stays finite has none, and what the sensor
+reads is its own zero, and gravity's share. Displacements count from rest, and a velocity may drift with its base."""
+
+
+def zero_is_lost(quantities: Sequence[str]) -> BoolArray:
+    """(n,) whether the mean of a channel of each quantity tells nothing."""
+    return np.array([quantity in WITHOUT_ZERO for quantity in quantities], bool)
 
 
 AHEAD = 16
@@ -316,9 +333,10 @@ RISE = 32
 """Samples over which they come to count in full, at most."""
 
 
-def nrmse(residual: ComplexArray, measured: ComplexArray) -> float:
-    """rms(residual) / rms(measured) over all channels and samples, from spectra."""
-    return float(np.sqrt(np.sum(np.abs(residual) ** 2) / np.sum(np.abs(measured) ** 2)))
+def nrmse(residual: ComplexArray, measured: ComplexArray, quantities: Sequence[str]) -> float:
+    """rms(residual) / rms(measured) over all channels and samples, from spectra; by the quantity of each channel."""
+    error, power = (np.sum(np.abs(each) ** 2, axis=1) for each in (residual, measured))
+    return pooled_nrmse(error, power, quantities)
 
 
 def in_parallel(jobs: int, work: Callable[[Item], Product], items: Iterable[Item]) -> list[Product]:

@@ -12,23 +12,50 @@ BAND_LINES = 9
 of two modes at the usual resolution. A report states it with the numbers."""
 
 
-def nrmse(model: FloatArray, measured: FloatArray) -> float:
+def nrmse(model: FloatArray, measured: FloatArray, quantities: Sequence[str] | None = None) -> float:
     """rms(model - measured) / rms(measured) over all samples, and over all channels where there are several.
 
     Args:
-        model: (N,) or (n_sensors, N) predicted signals, in any one unit.
-        measured: the same shape and unit.
+        model: (N,) or (n_sensors, N) predicted signals.
+        measured: the same shape and units.
+        quantities: what each channel measures; None where all measure one.
 
     Raises:
-        InputError: the shapes differ, or the measurement is 0 throughout.
+        InputError: the shapes differ, or the measurement of a quantity is 0 throughout.
 
     Source: the definition of ``nrmse`` in the format of ``compare.json``.
     """
     _same_shape(model, measured)
-    scale = np.linalg.norm(measured)
-    if scale == 0.0:
+    error, power = (np.sum(np.abs(np.atleast_2d(each)) ** 2, axis=1) for each in (model - measured, measured))
+    kinds = quantities or ("",) * len(power)
+    if np.any(mean_by_quantity(power, kinds) == 0.0):
         raise InputError("a measured signal of zeros", "its rms normalises the error", "leave the dead channel out")
-    return float(np.linalg.norm(model - measured) / scale)
+    return pooled_nrmse(error, power, kinds)
+
+
+def pooled_nrmse(error: FloatArray, power: FloatArray, quantities: Sequence[str]) -> float:
+    """The nrmse over channels: those of one quantity are normalised by their rms together.
+
+    Metres cannot be added to metres per second squared: each quantity counts by its number of channels.
+
+    Args:
+        error: (n_sensors,) sum of squares of model - measured.
+        power: (n_sensors,) the same of measured.
+        quantities: what each channel measures.
+    """
+    scale = np.maximum(mean_by_quantity(power, quantities), np.finfo(float).tiny)
+    return float(np.sqrt(np.mean(error / scale)))
+
+
+def mean_by_quantity(power: FloatArray, quantities: Sequence[str]) -> FloatArray:
+    """(n_sensors,) for every channel the mean over all that measure the same.
+
+    Args:
+        power: (n_sensors,) of each channel.
+        quantities: what each measures.
+    """
+    kinds = np.asarray(quantities)
+    return np.array([np.mean(power[kinds == kind]) for kind in kinds])
 
 
 def overall_nrmse(per_record: Sequence[float]) -> float:

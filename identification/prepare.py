@@ -59,15 +59,10 @@ def target_of(record: AnyRecord, plant: Plant) -> Target:
     """A record with its noise, as far as the record itself tells it, from where it tells of the plant alone."""
     if isinstance(record, Record):
         noise = estimate_noise(record)
-        quantities = {sensor.name: sensor.quantity for sensor in plant.sensors}
-        without_zero = np.array([quantities[name] in WITHOUT_ZERO for name in record.sensors])
-        return TimeTarget.of(record, noise, unjudged_of(record, noise, plant), without_zero)
-    return FrfTarget.of(record) if isinstance(record, FrfRecord) else ModesTarget.of(record)
-
-
-WITHOUT_ZERO = frozenset({"acceleration", "angular_velocity"})
-"""Quantities whose mean over a test tells nothing of the rig: motion that stays finite has none, and what the sensor
-reads is its own zero, and gravity's share. Displacements count from rest, and a velocity may drift with its base."""
+        return TimeTarget.of(record, noise, unjudged_of(record, noise, plant), plant.quantities(record.sensors))
+    if isinstance(record, FrfRecord):
+        return FrfTarget.of(record, plant.quantities(record.sensors))
+    return ModesTarget.of(record)
 
 
 def start_unknowns(hypothesis: Hypothesis, records: Sequence[Record]) -> tuple[Unknown, ...]:

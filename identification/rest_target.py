@@ -1,6 +1,6 @@
 """FRFs and mode shapes as a fit sees them: small motion about rest, against the linearised model."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -8,6 +8,7 @@ import numpy as np
 from identification.at_rest import PairedModes, paired_modes, predicted_frfs
 from identification.frf_noise import frf_noise
 from identification.hypothesis import Hypothesis
+from identification.metrics import pooled_nrmse
 from identification.result import FrfScore, ModesScore
 from models.arrays import BoolArray, ComplexArray, FloatArray
 from models.errors import InputError
@@ -41,6 +42,7 @@ class FrfTarget:
         record: measured, above 0 Hz.
         noise: (n_sensors, n) standard deviation of the real part, and of the imaginary part.
         method: how the noise was found, in words.
+        quantities: of the sensors.
         is_soft: for the first of several fits: the difference is taken relative to the mean of both magnitudes, so that
             a resonance beside the measured one counts as 2 and not as a hundred, and the fit finds across.
     """
@@ -48,22 +50,23 @@ class FrfTarget:
     record: FrfRecord
     noise: FloatArray
     method: str
+    quantities: tuple[str, ...]
     is_soft: bool = False
 
     @classmethod
-    def of(cls, record: FrfRecord) -> "FrfTarget":
-        """With the noise that the record tells.
+    def of(cls, record: FrfRecord, quantities: tuple[str, ...] | None = None) -> "FrfTarget":
+        """With the noise that the record tells; where the sensors' quantities are None, they are one.
 
         Raises:
             InputError: too few lines.
         """
         above = record.above_0_hz()
-        return cls(above, *frf_noise(above))
+        return cls(above, *frf_noise(above), ("",) * len(record.sensors) if quantities is None else quantities)
 
     def soft(self) -> "FrfTarget":
         """For the first of several fits, on some of the lines."""
         every = slice(None, None, -(-len(self.record.frequency) // SOFT_LINES))
-        return FrfTarget(self.record.at_lines(every), self.noise[:, every], self.method, is_soft=True)
+        return replace(self, record=self.record.at_lines(every), noise=self.noise[:, every], is_soft=True)
 
     @property
     def n_data(self) -> int:
@@ -73,12 +76,17 @@ class FrfTarget:
     @property
     def nrmse_of_noise(self) -> float:
         """NRMSE that the noise alone leaves."""
-        return float(np.sqrt(2.0 * np.sum(self.noise**2) / np.sum(np.abs(self.record.values) ** 2)))
+        return pooled_nrmse(2.0 * np.sum(self.noise**2, axis=1), self._power, self.quantities)
 
     def nrmse_left(self, residual: FloatArray) -> float:
         """NRMSE of a residual, (n_data,) in units of the noise."""
-        error = np.sum(np.abs(residual.view(complex).reshape(self.noise.shape) * self.noise) ** 2)
-        return float(np.sqrt(error / np.sum(np.abs(self.record.values) ** 2)))
+        error = np.sum(np.abs(residual.view(complex).reshape(self.noise.shape) * self.noise) ** 2, axis=1)
+        return pooled_nrmse(error, self._power, self.quantities)
+
+    @property
+    def _power(self) -> FloatArray:
+        """(n_sensors,) sum over the lines."""
+        return np.asarray(np.sum(np.abs(self.record.values) ** 2, axis=1))
 
     @property
     def frequency(self) -> FloatArray:
@@ -107,13 +115,12 @@ class FrfTarget:
     def score(self, hypothesis: Hypothesis) -> FrfScore:
         """Errors of a hypothesis."""
         predicted, measured = predicted_frfs(hypothesis, self.record), self.record.values
-        power = np.sum(np.abs(measured) ** 2, axis=1)
-        error = np.sum(np.abs(predicted - measured) ** 2, axis=1)
+        error, power = np.sum(np.abs(predicted - measured) ** 2, axis=1), self._power
         return FrfScore(
             record=self.record,
             predicted=predicted,
             method=self.method,
-            nrmse=float(np.sqrt(error.sum() / power.sum())),
+            nrmse=pooled_nrmse(error, power, self.quantities),
             noise_nrmse=self.nrmse_of_noise,
             channel_nrmse=np.sqrt(error / power),
             channel_noise_nrmse=np.sqrt(2.0 * np.sum(self.noise**2, axis=1) / power),

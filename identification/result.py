@@ -28,7 +28,7 @@ class RecordScore:
         record: measured.
         predicted: (n_sensors, N) what the model says, SI.
         noise: of the record's channels.
-        nrmse: over all channels, below 0.35 fs.
+        nrmse: over all channels, by quantity, below 0.35 fs.
         noise_nrmse: the same for a perfect model.
         channel_nrmse, channel_noise_nrmse: (n_sensors,) per channel.
     """

@@ -1,6 +1,6 @@
 """A model against records of any kind: time histories, FRFs, mode shapes."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -70,12 +70,14 @@ class Comparison:
         score: of the time records, None without any.
         frfs: one a time record with measured excitation, from its own channels, then one a record of FRFs.
         modes: one a record of mode shapes.
+        quantities: what each sensor of the rig measures, by its name.
         findings: sentences on records whose channels are all off alike, and on those that no model can follow.
     """
 
     score: Score | None
     frfs: tuple[FrfPair, ...]
     modes: tuple[ModePair, ...]
+    quantities: Mapping[str, str]
     findings: tuple[str, ...] = ()
 
 
@@ -105,6 +107,7 @@ def compare(hypothesis: Hypothesis, records: Sequence[AnyRecord], *, seed: int =
             for record in records
             if isinstance(record, ModeShapeRecord)
         ),
+        {sensor.name: sensor.quantity for sensor in hypothesis.rig.sensors},
         findings,
     )
 

@@ -1,12 +1,12 @@
 """A comparison as ``compare.json``."""
 
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
 from identification.metrics import BAND_LINES, channel_csac, channel_csf, frac, mre, nrmse, overall_nrmse
 from identification.result import RecordScore
-from models.arrays import FloatArray
+from models.arrays import ComplexArray, FloatArray
 from testbed.compare import Comparison, FrfPair, ModePair
 from testbed.outputs import Json
 
@@ -23,7 +23,7 @@ def comparison_json(comparison: Comparison) -> Json:
     pairs = {pair.record: pair for pair in comparison.frfs}
     timed = comparison.score.records if comparison.score is not None else ()
     names = {row.record.name for row in timed}
-    linear = [_frf_row(pair) for pair in comparison.frfs if pair.record not in names]
+    linear = [_frf_row(pair, comparison) for pair in comparison.frfs if pair.record not in names]
     return {
         "nrmse": comparison.score.nrmse if comparison.score is not None else _overall(linear),
         "noise_nrmse": comparison.score.noise_nrmse if comparison.score is not None else None,
@@ -47,17 +47,17 @@ def _time_row(row: RecordScore, pair: FrfPair | None) -> Json:
     return {"record": row.record.name, "nrmse": row.nrmse, "noise_nrmse": row.noise_nrmse, "channels": channels}
 
 
-def _frf_row(pair: FrfPair) -> Json:
+def _frf_row(pair: FrfPair, comparison: Comparison) -> Json:
     errors = [_complex_nrmse(pair.predicted[i : i + 1], pair.measured[i : i + 1]) for i in range(len(pair.sensors))]
     columns = zip(pair.sensors, errors, _frf_figures(pair), strict=True)
     channels = [{"sensor": name, "nrmse": error, "noise_nrmse": None, **more} for name, error, more in columns]
-    whole = _complex_nrmse(pair.predicted, pair.measured)
+    whole = _complex_nrmse(pair.predicted, pair.measured, [comparison.quantities[name] for name in pair.sensors])
     return {"record": pair.record, "nrmse": whole, "noise_nrmse": None, "channels": channels}
 
 
-def _complex_nrmse(predicted: Any, measured: Any) -> float:
+def _complex_nrmse(predicted: ComplexArray, measured: ComplexArray, quantities: Sequence[str] | None = None) -> float:
     """The error of FRFs over their lines, real and imaginary parts as two signals."""
-    return nrmse(np.hstack([predicted.real, predicted.imag]), np.hstack([measured.real, measured.imag]))
+    return nrmse(np.hstack([predicted.real, predicted.imag]), np.hstack([measured.real, measured.imag]), quantities)
 
 
 _NO_FIGURES: Json = {"mre": None, "frac": None, "csac": None, "csf": None}

@@ -109,7 +109,8 @@ def _read_all(
             refused.append(error)
     if refused:
         names = [name for error in refused for name in error.names]
-        raise unusable("; ".join(error.given for error in refused), names, rig, without)
+        strangers = [name for error in refused for name in error.strangers]
+        raise unusable("; ".join(error.given for error in refused), names, rig, without, strangers)
     return tuple(read)
 
 

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from dataclasses import dataclass, replace
-from math import log10
+from math import hypot, log10
 from zlib import crc32
 
 import numpy as np
@@ -114,14 +114,14 @@ def _attempt(task: Task, trial: Trial, noise: Noise, wanted: tuple[float, ...], 
         return f"a motion was lost ({str(lost).split(';')[0].split(' the motion')[0]})"
     except InputError:
         return "no state at rest"
-    loudest = max(noise.response, noise.excitation)
+    calm = hypot(noise.response, MOST_AMPLIFICATION * noise.excitation)
     return Case(
         task=task,
         rig=trial.rig,
         truth=truth,
         growth=trial.growth,
         amplification=trial.amplification,
-        chaotic=trial.chaotic or max(left for _, left in measured.values()) > MOST_AMPLIFICATION * loudest,
+        chaotic=trial.chaotic or max(left for _, left in measured.values()) > calm,
         wanted=wanted,
         shown=hidden.shown,
         calibrated=calibrated,

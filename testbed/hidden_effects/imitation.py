@@ -8,6 +8,7 @@ import numpy as np
 from scipy import fft
 from scipy.optimize import lsq_linear
 
+from identification.metrics import mean_by_quantity
 from models.arrays import FloatArray
 from models.band_limit import SCORE_EDGE
 from models.effects import Effect
@@ -59,7 +60,7 @@ class Imitation:
         built = trial.built
         self.off = np.array([(b.value - d.value) / d.std for b, d in zip(built.parameters(), self.drawn, strict=True)])
         plain = [channels_of(built, force, self.fs) for force in self.forces]
-        self.scales = [float(np.linalg.norm(in_band(channels))) for channels in plain]
+        self.scales = [self._scale(in_band(channels)) for channels in plain]
         self.here = self._stacked(plain)
         shaken = [force + noise.excitation * force.std() * rng.standard_normal(len(force)) for force in self.forces]
         carried = self._stacked([channels_of(built, force, self.fs) for force in shaken]) - self.here
@@ -112,9 +113,14 @@ class Imitation:
         rig = self.built.with_values(values)
         return self._stacked([channels_of(rig, force, self.fs) for force in self.forces])
 
+    def _scale(self, spectra: FloatArray) -> FloatArray:
+        """(n_sensors, 1) by the quantity of each channel, such that a whole record in these units has a norm of 1."""
+        powers = mean_by_quantity(np.sum(spectra**2, axis=1), [sensor.quantity for sensor in self.built.sensors])
+        return np.sqrt(len(powers) * powers)[:, None]
+
     def _stacked(self, channels: list[FloatArray]) -> FloatArray:
         """Spectra of all channels in a row, each record in units of its size."""
-        return np.concatenate([in_band(c).ravel() / scale for c, scale in zip(channels, self.scales, strict=True)])
+        return np.concatenate([(in_band(c) / scale).ravel() for c, scale in zip(channels, self.scales, strict=True)])
 
     def _size(self, stacked: FloatArray) -> float:
         """Rms over the records."""

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
+from identification.metrics import nrmse
 from models.arrays import FloatArray
 from models.effects import Effect
 from models.plant import build_plant
@@ -77,8 +78,7 @@ def growth(rig: Rig, force: FloatArray, fs: float) -> float:
     """
     assert isinstance(rig.structure, Beam)
     near = rig.with_values({"youngs_modulus": rig.structure.youngs_modulus * (1.0 + NUDGE)})
-    channels = channels_of(rig, force, fs)
-    return float(np.linalg.norm(channels_of(near, force, fs) - channels) / np.linalg.norm(channels) / NUDGE)
+    return _changed(rig, channels_of(near, force, fs), channels_of(rig, force, fs)) / NUDGE
 
 
 def amplification(rig: Rig, force: FloatArray, fs: float, rng: np.random.Generator) -> float:
@@ -93,8 +93,12 @@ def amplification(rig: Rig, force: FloatArray, fs: float, rng: np.random.Generat
         rng: draws the noise.
     """
     shaken = force + SHAKEN * float(np.std(force)) * rng.standard_normal(len(force))
-    channels = channels_of(rig, force, fs)
-    return float(np.linalg.norm(channels_of(rig, shaken, fs) - channels) / np.linalg.norm(channels) / SHAKEN)
+    return _changed(rig, channels_of(rig, shaken, fs), channels_of(rig, force, fs)) / SHAKEN
+
+
+def _changed(rig: Rig, channels: FloatArray, before: FloatArray) -> float:
+    """Relative change of all channels."""
+    return nrmse(channels, before, [sensor.quantity for sensor in rig.sensors])
 
 
 def watched(rig: Rig, position: float) -> Rig:

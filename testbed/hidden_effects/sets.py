@@ -352,7 +352,7 @@ VARIED = CaseSet(
 Three, five or eight sensors of acceleration, velocity or displacement have 34 to 54 dB of noise each, the force 40
 to 60; the sleeves' contacts are Kelvin and Voigt's, Hunt and Crossley's or Hertz's. Learnt from are sweeps, bursts of
 noise or steady noise at two levels, and up to three blows of a hammer, 32 to 48 s; held out are 6 or 8 s
-of such a record. Errors are of all channels together, so mostly of the accelerometers where there are any.""",
+of such a record. Errors are of all channels together, each quantity by its own rms.""",
     batches={41011: Batch("157201f")},
     shape=1.0,
     materials=("steel", "aluminium", "brass", "titanium", "glass fibre"),

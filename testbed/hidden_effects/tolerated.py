@@ -1,9 +1,11 @@
 """Effects that are a toleranced number of the rig by another name, moved no further than a calibration may move it."""
 
 from identification.hypothesis import LARGEST_SIGMA
+from models.contact.hunt_crossley import HuntCrossley as HuntCrossleyLaw
 from models.effects import Effect
 from models.effects.clearance import Clearance
 from models.effects.contact_stiffness import ContactStiffness
+from models.effects.hunt_crossley import HuntCrossley
 from models.effects.youngs_modulus import YoungsModulus
 from models.rig import Beam, Rig
 
@@ -27,8 +29,12 @@ def _number(effect: Effect, built: Rig) -> tuple[str, float]:
         assert isinstance(built.structure, Beam)
         return "youngs_modulus", effect.ratio * built.structure.youngs_modulus
     for index, sleeve in enumerate(built.sleeves):
-        if sleeve.name == effect.place.sleeve and isinstance(effect, Clearance):
+        if sleeve.name != effect.place.sleeve:
+            continue
+        if isinstance(effect, Clearance):
             return f"sleeves[{index}].clearance", effect.clearance
-        if sleeve.name == effect.place.sleeve and isinstance(effect, ContactStiffness) and sleeve.stiffness is not None:
+        if isinstance(effect, ContactStiffness) and sleeve.stiffness is not None:
             return f"sleeves[{index}].stiffness", effect.ratio * sleeve.stiffness
+        if isinstance(effect, HuntCrossley) and sleeve.law == HuntCrossleyLaw.name:
+            return f"sleeves[{index}].damping", effect.dissipation
     return "", 0.0

@@ -113,4 +113,5 @@ def _noise_nrmse(
         channels_of(truth.built, force, record.fs, truth.hidden, free) for force in (record.excitation, reading)
     )
     measured = scored_spectrum(record.responses)
-    return nrmse(scored_spectrum(felt - still) - (measured - scored_spectrum(clean)), measured)
+    residual = scored_spectrum(felt - still) - (measured - scored_spectrum(clean))
+    return nrmse(residual, measured, truth.plant.quantities(record.sensors))

@@ -19,12 +19,14 @@ class Matched:
         excitation: its channel, if there is one.
         excitation_position: m from the clamp, where it is not the rig's.
         findings: channels that match nothing, and guesses.
+        strangers: channels that match nothing, as they are shown.
     """
 
     sensors: dict[str, RawChannel]
     excitation: RawChannel | None
     excitation_position: float | None
     findings: tuple[str, ...]
+    strangers: tuple[str, ...]
 
 
 def match(recording: Recording, rig: Rig, without: Sequence[str] = ()) -> Matched:
@@ -64,7 +66,7 @@ def match(recording: Recording, rig: Rig, without: Sequence[str] = ()) -> Matche
             + "; without it a record is a free decay",
             f"rename the channel, or read the record as a free decay with --without {rig.excitation.name}",
         )
-    return Matched(sensors, excitation, position, (*recording.remarks, *findings, *unused))
+    return Matched(sensors, excitation, position, (*recording.remarks, *findings, *unused), tuple(strangers))
 
 
 def sensor_of(tag: Tag, sensors: Sequence[Sensor]) -> Sensor | None:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from identification.prepare import WITHOUT_ZERO
+from identification.evaluate import WITHOUT_ZERO
 from models.arrays import FloatArray
 from models.beam.clamped_free import clamped_free_modes
 from models.rig import Beam, Rig

@@ -26,12 +26,20 @@ from testbed.records.units import Measured, si_factor
 
 
 class UnusableChannelsError(InputError):
-    """Channels that a comparison cannot do without; ``names`` are theirs."""
+    """Channels that a comparison cannot do without.
+
+    Attributes:
+        names: of them.
+        strangers: channels that no sensor goes by, which may be those that are missing.
+    """
 
     names: tuple[str, ...] = ()
+    strangers: tuple[str, ...] = ()
 
 
-def unusable(given: str, names: Sequence[str], rig: Rig, without: Sequence[str]) -> UnusableChannelsError:
+def unusable(
+    given: str, names: Sequence[str], rig: Rig, without: Sequence[str], strangers: Sequence[str] = ()
+) -> UnusableChannelsError:
     """The error for channels of one or more records, with one way out for all of them.
 
     Args:
@@ -39,14 +47,18 @@ def unusable(given: str, names: Sequence[str], rig: Rig, without: Sequence[str])
         names: of the channels.
         rig: whose channels they are.
         without: those that are left out already, and have to be named again.
+        strangers: channels that no sensor goes by, beside sensors without a channel.
     """
     out = dict.fromkeys([*without, *names])
     options = " ".join(f"--without {shlex.quote(name)}" for name in out)
     mend = f"mend the record, or leave out with {options}"
     if {sensor.name for sensor in rig.sensors} <= set(out):
         mend = "mend the records, or take each by itself, with a --without for each channel that it lacks"
+    if strangers:
+        unknown = dict.fromkeys(strangers)
+        mend = f"if {', '.join(unknown)} is a sensor of the rig, give it the name that it has there; otherwise {mend}"
     error = UnusableChannelsError(given, "a comparison needs every channel of the rig, alive and plausible", mend)
-    error.names = tuple(names)
+    error.names, error.strangers = tuple(names), tuple(strangers)
     return error
 
 
@@ -118,7 +130,7 @@ def _time_record(
     if not responses:
         raise _nothing_measured(file, signals.responses, faults)
     if faults and strict:
-        raise _refused(file, faults, rig, without)
+        raise _refused(file, faults, rig, without, matched.strangers if set(expected) - set(signals.responses) else ())
     driven = None if excitation is not None else undying(list(responses.values()))
     told = (
         *(f"{fault.reason}; left out" for fault in faults),
@@ -195,6 +207,8 @@ def _check_rate(file: str, n_samples: int, fs: float, freq: float) -> None:
         )
 
 
-def _refused(file: str, faults: list[Fault], rig: Rig, without: Sequence[str]) -> UnusableChannelsError:
+def _refused(
+    file: str, faults: list[Fault], rig: Rig, without: Sequence[str], strangers: Sequence[str] = ()
+) -> UnusableChannelsError:
     names = [name for fault in faults for name in fault.sensors]
-    return unusable(f"{file}: {'; '.join(fault.reason for fault in faults)}", names, rig, without)
+    return unusable(f"{file}: {'; '.join(fault.reason for fault in faults)}", names, rig, without, strangers)

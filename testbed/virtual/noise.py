@@ -5,6 +5,7 @@ from typing import Literal
 
 import numpy as np
 
+from identification.metrics import mean_by_quantity
 from models.arrays import FloatArray
 from models.band_limit import record_channels
 from models.rig import Sensor
@@ -34,8 +35,7 @@ class Noise:
         """(n_sensors, N) the channels, given in the same shape, with noise."""
         power = np.mean(channels**2, axis=1)
         if self.share_of == "quantity":
-            kinds = np.array([sensor.quantity for sensor in sensors])
-            power = np.array([np.mean(power[kinds == kind]) for kind in kinds])
+            power = mean_by_quantity(power, [sensor.quantity for sensor in sensors])
         return np.asarray(channels + self.response * np.sqrt(power)[:, None] * self._white(channels.shape, fs, rng))
 
     def on_excitation(self, excitation: FloatArray, fs: float, rng: np.random.Generator) -> FloatArray:

@@ -10,6 +10,7 @@ from identification.evaluate import AHEAD, Evaluator, TimeTarget, carry_noise, n
 from identification.hypothesis import Hypothesis
 from identification.noise import Noise
 from models.band_limit import SCORE_EDGE
+from models.record import Record
 
 
 def brick_wall(channels, fs):
@@ -46,7 +47,7 @@ def test_nrmse_is_that_of_low_passed_signals():
     model -= model.mean(axis=1, keepdims=True)
     error, true = brick_wall(model - channels, FS), brick_wall(channels, FS)
 
-    found = nrmse(scored_spectrum(model - channels), scored_spectrum(channels))
+    found = nrmse(scored_spectrum(model - channels), scored_spectrum(channels), ("acceleration",) * 3)
 
     assert found == pytest.approx(np.sqrt(np.mean(error**2) / np.mean(true**2)), rel=1e-12)
 
@@ -56,7 +57,7 @@ def test_the_nrmse_of_the_noise_is_what_the_truth_leaves():
     clean, _ = measured(Hypothesis(REFERENCE), multisine(), noise=0.0)
     target = TimeTarget.of(record, noise)
 
-    left = nrmse(scored_spectrum(clean.responses) - target.measured, target.measured)
+    left = nrmse(scored_spectrum(clean.responses) - target.measured, target.measured, target.quantities)
 
     assert target.nrmse_of_noise == pytest.approx(left, rel=0.05)
 
@@ -224,7 +225,7 @@ def test_a_constant_that_tells_nothing_changes_nothing(unjudged):
     record, noise = let_go(REFERENCE, 20.0)
     zero = 9.81 * np.array([1.0, *[0.0] * (len(record.sensors) - 1)])[:, None]
     heavy = replace(record, responses=record.responses + zero)
-    free = np.array([True, *[False] * (len(record.sensors) - 1)])
+    free = ("acceleration", *["displacement"] * (len(record.sensors) - 1))
     still, off, told = (
         TimeTarget.of(each, noise, unjudged, without)
         for each, without in ((record, free), (heavy, free), (heavy, None))
@@ -242,8 +243,21 @@ def test_a_constant_that_tells_nothing_changes_nothing(unjudged):
 
 def test_an_exchanged_or_missing_channel_takes_its_zero_along():
     record, noise = let_go(REFERENCE, 20.0)
-    free = np.array([True, *[False] * (len(record.sensors) - 1)])
+    free = ("acceleration", *["displacement"] * (len(record.sensors) - 1))
     target, (one, other, *_) = TimeTarget.of(record, noise, 0, free), record.sensors
 
     assert target.exchanged(one, other).without_zero.tolist()[:2] == [False, True]
     assert not target.without(one).without_zero.any()
+
+
+def test_a_quiet_quantity_counts_beside_a_loud_one():
+    """0.3 of two channels in m and 0 of one in m/s^2 are sqrt(2 / 3) of 0.3, whatever the units."""
+    rng = np.random.default_rng(4)
+    record = Record("mixed", FS, None, ("a", "d", "e"), np.array([[1e3], [1e-3], [2e-3]]) * rng.normal(size=(3, 1024)))
+    kinds = ("acceleration", "displacement", "displacement")
+    target = TimeTarget.of(record, Noise(0.01 * record.responses.std(axis=1), 0.0, "", ""), quantities=kinds)
+    error = np.array([[0.0], [0.3], [0.3]]) * target.measured
+
+    assert target.nrmse_left(whitened(error, target)) == pytest.approx(0.3 * np.sqrt(2.0 / 3.0), rel=1e-12)
+    assert target.nrmse_of_noise == pytest.approx(0.01, rel=0.05)  # both are white
+    assert target.without("e").quantities == ("acceleration", "displacement")

@@ -21,10 +21,10 @@ def score_of(error, excitation=True):
     force = rng.standard_normal(N) if excitation else None
     record = Record("test", FS, force, ("A", "B"), measured)
     spectra = scored_spectrum(error), scored_spectrum(measured)
-    channel = np.array([nrmse(e[None], m[None]) for e, m in zip(*spectra, strict=True)])
+    channel = np.array([nrmse(e[None], m[None], ("",)) for e, m in zip(*spectra, strict=True)])
     noise = np.full(2, SIGMA * np.sqrt(0.7))  # white to fs/2, judged below 0.35 fs, beside a measurement of density 1
     return RecordScore(
-        record, measured + error, Noise(np.full(2, SIGMA), 0.0, "", ""), nrmse(*spectra), 0.0, channel, noise
+        record, measured + error, Noise(np.full(2, SIGMA), 0.0, "", ""), nrmse(*spectra, ("", "")), 0.0, channel, noise
     )
 
 

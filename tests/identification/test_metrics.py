@@ -140,6 +140,17 @@ def test_nrmse_counts_all_channels_together():
     assert metrics.nrmse(model, measured) == pytest.approx(1.0 / 5.0, rel=ROUNDING)
 
 
+def test_each_quantity_is_normalised_by_its_own_rms():
+    """Channels of one quantity together, then the squares by their channels: no unit decides what counts."""
+    measured = np.array([[3.0, 3.0], [4.0, 4.0], [1e-4, -1e-4]])
+    model = np.array([[3.0, 3.0], [3.0, 3.0], [0.0, 0.0]])
+    quantities = ["acceleration", "acceleration", "displacement"]
+    expected = np.sqrt((2.0 / 25.0 + 1.0) / 3.0)
+    assert metrics.nrmse(model, measured, quantities) == pytest.approx(expected, rel=ROUNDING)
+    scaled = np.array([[1.0], [1.0], [1e3]])
+    assert metrics.nrmse(scaled * model, scaled * measured, quantities) == pytest.approx(expected, rel=ROUNDING)
+
+
 def test_records_are_averaged_by_their_squares():
     assert metrics.overall_nrmse([0.3, 0.4]) == pytest.approx(np.sqrt(0.125), rel=ROUNDING)
 
@@ -179,6 +190,8 @@ def test_a_band_that_does_not_fit_is_refused(n_band):
 def test_what_has_no_scale_is_refused():
     with pytest.raises(InputError, match="zeros; its rms normalises the error; leave the dead channel out"):
         metrics.nrmse(np.ones(4), np.zeros(4))
+    with pytest.raises(InputError, match="zeros; its rms normalises the error; leave the dead channel out"):
+        metrics.nrmse(np.ones((2, 4)), np.array([[0.0] * 4, [1.0] * 4]), ["displacement", "acceleration"])
     dead = random_frfs(1)
     dead[2] = 0.0
     with pytest.raises(InputError, match=r"zeros \(row 2\); .*; leave the dead channel out"):

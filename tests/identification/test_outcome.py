@@ -148,7 +148,7 @@ def test_candidates_stand_beside_the_best_with_errors_of_the_records():
     ]
 
     assert (best.log_evidence, other.log_evidence) == (0.0, -3.0)
-    assert best.nrmse == pytest.approx(nrmse(scored_spectrum(left), target.measured))
+    assert best.nrmse == pytest.approx(nrmse(scored_spectrum(left), target.measured, target.quantities))
     assert other.nrmse == pytest.approx(min(bounds))
     assert max(bounds) > 1.1 * min(bounds)
     assert (best.probability, best.effect, other.refitted) == (pytest.approx(0.97 * 0.9), MASS, False)

@@ -112,6 +112,18 @@ def test_frfs_see_a_softer_beam(rig):
     assert comparison_json(compare(Hypothesis(rig), [frf_record(softer, np.linspace(1.0, 150.0, 75))]))["nrmse"] > 0.2
 
 
+def test_frfs_of_other_quantities_count_alike(rig):
+    """Only the displacement is wrong, whose numbers are a thousandth of the accelerations'."""
+    names = [sensor.name for sensor in rig.sensors]
+    mixed = rig.model_copy(
+        update={"sensors": (*rig.sensors[:-1], rig.sensors[-1].model_copy(update={"quantity": "displacement"}))}
+    )
+    exact = frf_record(mixed, np.linspace(1.0, 150.0, 75))
+    wrong = replace(exact, values=np.array([[1.0]] * (len(names) - 1) + [[1.25]]) * exact.values)
+    content = comparison_json(compare(Hypothesis(mixed), [wrong]))
+    assert content["nrmse"] == pytest.approx(0.2 / np.sqrt(len(names)), rel=1e-6)
+
+
 def test_modes_are_paired_by_frequency_and_shape_whatever_their_order_and_scale(rig):
     modes = natural_modes(linear(rig), rig.sensors, 250.0)
     order, names = [2, 0, 1], tuple(sensor.name for sensor in rig.sensors)

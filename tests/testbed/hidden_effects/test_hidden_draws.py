@@ -9,7 +9,9 @@ from models.effects import EFFECTS, Place
 from models.effects.clearance import Clearance
 from models.effects.contact_stiffness import ContactStiffness
 from models.effects.hertz_contact import HertzContact
+from models.effects.hunt_crossley import HuntCrossley
 from models.effects.point_mass import PointMass
+from models.effects.sensor_gain import SensorGain
 from models.effects.sensor_position import SensorPosition
 from models.effects.youngs_modulus import YoungsModulus
 from models.plant import build_plant
@@ -121,6 +123,19 @@ def test_nothing_shows_as_the_noise_and_an_effect_as_much_as_asked(trial, built)
     assert imitation.shown((found[0],), rounds=0) >= found[1]  # numbers moved within tolerance imitate some of it
 
 
+def test_an_effect_on_a_displacement_shows_beside_accelerations(trial):
+    """A gain off by a half in one of n channels is 0.5 / sqrt(n) of the motion, whatever the units."""
+    *others, last = trial.rig.sensors
+    sensors = (*others, last.model_copy(update={"quantity": "displacement"}))
+    rig, built = (each.model_copy(update={"sensors": sensors}) for each in (trial.rig, trial.built))
+    imitation = Imitation(replace(trial, rig=rig, built=built), NOISE, np.random.default_rng(5))
+    gain = SensorGain(Place(sensor=last.name), gain=1.5)
+    off = 0.5 / np.sqrt(len(sensors)) / np.sqrt(1.0 + (1.5**2 - 1.0) / len(sensors))  # of the motion as it reads
+    assert imitation.shown((gain,), rounds=0) == pytest.approx(
+        np.hypot(off, imitation.floor) / imitation.floor, rel=1e-6
+    )
+
+
 def test_two_effects_are_of_two_kinds_at_two_places(trial, built):
     task = Task("tuning", 11, "two", 0)
     for seed in range(6):
@@ -151,6 +166,20 @@ def test_a_number_within_four_of_its_tolerances_is_nothing_that_is_missing(trial
         assert not tolerated(far, trial.rig, built)
     assert not tolerated(Clearance(at, clearance=0.0), trial.rig, built)
     assert not tolerated(PointMass(Place(position=0.5), mass=1e-6), trial.rig, built)
+
+
+def test_a_dissipation_within_tolerance_is_missing_only_where_the_sleeve_has_another_law(trial, built):
+    sleeve = trial.rig.sleeves[0]
+    rig, there = (
+        each.model_copy(
+            update={"sleeves": (each.sleeves[0].model_copy(update={"law": "hunt_crossley"}), *each.sleeves[1:])}
+        )
+        for each in (trial.rig, built)
+    )
+    near, far = (HuntCrossley(Place(sleeve=sleeve.name), ratio * sleeve.damping) for ratio in (1.3, 1.5))
+    assert tolerated(near, rig, there)
+    assert not tolerated(far, rig, there)
+    assert not tolerated(near, trial.rig, built)
 
 
 def test_a_third_of_the_sizes_is_small():

@@ -319,6 +319,7 @@ def test_what_no_one_may_use_is_refused_with_its_place(tmp_path, case, strict):
 COMPARE_ONLY = {
     "missing": (npz(P3=None), ["no channel for P3", "--without P3"], ("P3",)),
     "two missing": (npz(P3=None, P1=None), ["no channel for P1, P3", "--without P1 --without P3"], ("P1", "P3")),
+    "renamed": (npz(P3=None, Q3=noise(3)), ["no channel for P3", "if Q3 is a sensor of the rig, give it"], ("P3",)),
     "dead": (npz(P3=np.full(600, 0.25)), ["channel P3 is dead: 0.25 throughout", "--without P3"], ("P3",)),
     "copy": (npz(P3=noise(2)), ["channels P1, P3 are exact copies", "--without P1"], ("P1", "P3")),
     "too large": (npz(P3=1e3 * noise(9)), ["channel P3 is implausible", "times the others'"], ("P3",)),
