@@ -72,8 +72,10 @@ def test_hysteresis_that_yields_at_once_is_friction_and_at_a_sleeve_the_sleeves_
     assert [row.effect.kind for row in rows].count("coulomb_friction") == 1
 
 
-def test_a_law_that_may_vary_in_time_gives_way_to_a_constant_one():
+def test_a_law_that_may_vary_in_time_gives_way_to_a_constant_one_and_far_numbers_are_read_from_that(monkeypatch):
     """Both have one number to fit, but of one it is a table."""
+    read_from = []
+    monkeypatch.setattr(in_its_place, "said_of_far_numbers", lambda leader, _: read_from.append(leader) or ())
     session = beam_session(HuntCrossley(IN_SLEEVE, dissipation=1.0))
     table = TimeVaryingDamping(IN_SLEEVE, times=(0.0, 1.0, 2.0), values=(5.0, 5.0, 5.0))
 
@@ -82,6 +84,7 @@ def test_a_law_that_may_vary_in_time_gives_way_to_a_constant_one():
     assert rows[0].effect.kind == "hunt_crossley"
     assert rows[0].effect.dissipation == pytest.approx(1.0, rel=0.2)
     assert rows[0].fit.ratio <= found.ratio
+    assert [leader.hypothesis.effects[-1].kind for leader in read_from] == ["hunt_crossley"]
 
 
 @pytest.mark.parametrize(("position", "stands"), [(0.02, "clamp_compliance"), (0.5, "local_damage")])

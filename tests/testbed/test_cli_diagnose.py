@@ -12,6 +12,7 @@ from made_up_diagnosis import made_up_diagnosis
 from models.rig_file import read_rig
 from testbed.cli.app import main
 from testbed.cli.demo import against_truth
+from testbed.cli.diagnose import MOST_TOLD
 from testbed.cli.tables import print_diagnosis
 
 
@@ -72,6 +73,17 @@ def test_the_results_of_a_diagnosis_stand_in_its_folder(folder, loop, capsys):
     assert "results/rig/next_experiment.toml" in streams.out
     assert "screening" in streams.err
     assert "screening" not in streams.out
+
+
+def test_some_findings_are_told_before_the_work_and_the_others_counted(folder, loop, capsys):
+    comment, head, *rows = (folder / "sweep.csv").read_text().splitlines()
+    strangers = [f"extra {i}" for i in range(6)]
+    wider = [comment, ",".join([head, *strangers]), *(",".join([row, *["0.5"] * 6]) for row in rows)]
+    (folder / "sweep.csv").write_text("\n".join(wider) + "\n")
+    assert diagnose() == 0
+    told = capsys.readouterr().err
+    assert [name for name in strangers if f"channel {name} is no sensor" in told] == strangers[:MOST_TOLD]
+    assert told.index("and 2 more findings") < told.index("screening")
 
 
 def test_json_alone_is_on_standard_output(folder, loop, capsys):

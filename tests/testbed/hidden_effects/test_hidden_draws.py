@@ -71,6 +71,16 @@ def test_a_trial_has_two_levels_a_blow_and_a_level_between(trial):
     assert not trial.chaotic
 
 
+def test_a_trial_of_other_tests_is_driven_as_its_set_says():
+    trial = draw_trial(VARIED, chaotic=False, rng=np.random.default_rng(0))
+    seconds = {name: len(force) / trial.fs for name, force in trial.forces.items()}
+    assert list(seconds) == [*LEARNT, HELD]
+    assert 32.0 <= sum(seconds[name] for name in LEARNT) <= 48.0
+    assert seconds[HELD] in {6.0, 8.0}
+    assert trial.telling <= seconds["high"]
+    assert not trial.chaotic
+
+
 def test_schroeders_multisine_has_its_lines_and_a_low_crest():
     wave = schroeder_multisine(1024.0, 4096, 5.0, 200.0, "odd", np.random.default_rng(0))
     lines = np.abs(np.fft.rfft(wave))
