@@ -353,7 +353,7 @@ Three, five or eight sensors of acceleration, velocity or displacement have 34 t
 to 60; the sleeves' contacts are Kelvin and Voigt's, Hunt and Crossley's or Hertz's. Learnt from are sweeps, bursts of
 noise or steady noise at two levels, and up to three blows of a hammer, 32 to 48 s; held out are 6 or 8 s
 of such a record. Errors are of all channels together, each quantity by its own rms.""",
-    batches={41011: Batch("157201f")},
+    batches={41011: Batch("0826614")},
     shape=1.0,
     materials=("steel", "aluminium", "brass", "titanium", "glass fibre"),
     length=Span(0.4, 3.0),
