@@ -92,7 +92,7 @@ class TimeTarget:
         bare = cls(record, noise, measured, np.empty(0), record, record.duration, unjudged=unjudged, quantities=kinds)
         return bare.with_noise(noise)
 
-    @property
+    @cached_property
     def without_zero(self) -> BoolArray:
         """(n,) whether the mean of a channel tells nothing."""
         return zero_is_lost(self.quantities)

@@ -12,11 +12,11 @@ BAND_LINES = 9
 of two modes at the usual resolution. A report states it with the numbers."""
 
 
-def nrmse(model: FloatArray, measured: FloatArray, quantities: Sequence[str] | None = None) -> float:
+def nrmse(model: AnyArray, measured: AnyArray, quantities: Sequence[str] | None = None) -> float:
     """rms(model - measured) / rms(measured) over all samples, and over all channels where there are several.
 
     Args:
-        model: (N,) or (n_sensors, N) predicted signals.
+        model: (N,) or (n_sensors, N) predicted signals, or FRFs over N lines.
         measured: the same shape and units.
         quantities: what each channel measures; None where all measure one.
 

@@ -17,6 +17,7 @@ from models.linear import ORDER_READ
 from models.modal import ModalModel, build_modal
 from models.plant import Plant
 from models.record import AnyRecord, FrfRecord, Record
+from models.rig import quantities_of
 
 DISTURBANCE = 1e-7
 """Relative disturbance of the excitation by whose growth the divergence of neighbouring motions is measured."""
@@ -59,9 +60,11 @@ def target_of(record: AnyRecord, plant: Plant) -> Target:
     """A record with its noise, as far as the record itself tells it, from where it tells of the plant alone."""
     if isinstance(record, Record):
         noise = estimate_noise(record)
-        return TimeTarget.of(record, noise, unjudged_of(record, noise, plant), plant.quantities(record.sensors))
+        return TimeTarget.of(
+            record, noise, unjudged_of(record, noise, plant), quantities_of(plant.sensors, record.sensors)
+        )
     if isinstance(record, FrfRecord):
-        return FrfTarget.of(record, plant.quantities(record.sensors))
+        return FrfTarget.of(record, quantities_of(plant.sensors, record.sensors))
     return ModesTarget.of(record)
 
 

@@ -83,7 +83,7 @@ class FrfTarget:
         error = np.sum(np.abs(residual.view(complex).reshape(self.noise.shape) * self.noise) ** 2, axis=1)
         return pooled_nrmse(error, self._power, self.quantities)
 
-    @property
+    @cached_property
     def _power(self) -> FloatArray:
         """(n_sensors,) sum over the lines."""
         return np.asarray(np.sum(np.abs(self.record.values) ** 2, axis=1))

@@ -31,11 +31,6 @@ class Plant:
     sensors: tuple[Sensor, ...]
     effects: tuple[Effect, ...]
 
-    def quantities(self, names: Iterable[str]) -> tuple[str, ...]:
-        """What the sensors of these names measure."""
-        measured = {sensor.name: sensor.quantity for sensor in self.sensors}
-        return tuple(measured[name] for name in names)
-
 
 def build_plant(rig: Rig, extra: Iterable[Effect] = (), registry: Mapping[str, type[Effect]] = EFFECTS) -> Plant:
     """The rig with the effects of its own file, then ``extra``, in place.

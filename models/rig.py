@@ -5,7 +5,7 @@ Its tables are ``models.rig_parts``; reading and writing the TOML file is ``mode
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from math import log
@@ -48,6 +48,7 @@ __all__ = [
     "SensorQuantity",
     "Sleeve",
     "next_named",
+    "quantities_of",
 ]
 
 Fraction = Annotated[float, Field(gt=0, le=1, allow_inf_nan=False, strict=True)]
@@ -249,3 +250,14 @@ def next_named(parts: tuple[Named, ...], name: str) -> Named:
         if part.name == name:
             return part
     raise KeyError(name)
+
+
+def quantities_of(sensors: Iterable[Sensor], names: Iterable[str]) -> tuple[str, ...]:
+    """What the sensors of these names measure.
+
+    Args:
+        sensors: of a rig.
+        names: of some of them, in any order.
+    """
+    measured = {sensor.name: sensor.quantity for sensor in sensors}
+    return tuple(measured[name] for name in names)

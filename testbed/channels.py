@@ -9,7 +9,7 @@ import numpy as np
 from models.arrays import FloatArray
 from models.errors import InputError
 from models.record import Record
-from models.rig import Rig
+from models.rig import Rig, quantities_of
 from testbed.records.dying import undying
 from testbed.records.formats import read_file
 from testbed.records.matching import not_left_out
@@ -76,7 +76,6 @@ def channels_with_rig(path: Path, rig: Rig, without: Sequence[str] = ()) -> Chan
     record = read_record(path, rig, without=without, strict=False)
     if not isinstance(record, Record):
         raise _no_time_record(path)
-    by_name = {sensor.name: sensor.quantity for sensor in rig.sensors}
     driven = record.excitation is not None and rig.excitation is not None
     return Channels(
         record.name,
@@ -84,7 +83,7 @@ def channels_with_rig(path: Path, rig: Rig, without: Sequence[str] = ()) -> Chan
         record.excitation if driven else None,
         rig.excitation.quantity if driven and rig.excitation is not None else "",
         record.sensors,
-        tuple(by_name[name] for name in record.sensors),
+        quantities_of(rig.sensors, record.sensors),
         record.responses,
         record.findings,
     )

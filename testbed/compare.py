@@ -1,6 +1,6 @@
 """A model against records of any kind: time histories, FRFs, mode shapes."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +15,7 @@ from identification.together import wholly_off
 from models.arrays import ComplexArray, FloatArray
 from models.band_limit import SCORE_EDGE
 from models.record import AnyRecord, FrfRecord, ModeShapeRecord, Record
+from models.rig import Sensor
 
 SEGMENTS_PER_RECORD = 8.0
 """Segments without overlap into which a record is cut for its FRFs, where its excitation does not repeat."""
@@ -70,14 +71,14 @@ class Comparison:
         score: of the time records, None without any.
         frfs: one a time record with measured excitation, from its own channels, then one a record of FRFs.
         modes: one a record of mode shapes.
-        quantities: what each sensor of the rig measures, by its name.
+        sensors: of the rig.
         findings: sentences on records whose channels are all off alike, and on those that no model can follow.
     """
 
     score: Score | None
     frfs: tuple[FrfPair, ...]
     modes: tuple[ModePair, ...]
-    quantities: Mapping[str, str]
+    sensors: tuple[Sensor, ...]
     findings: tuple[str, ...] = ()
 
 
@@ -107,7 +108,7 @@ def compare(hypothesis: Hypothesis, records: Sequence[AnyRecord], *, seed: int =
             for record in records
             if isinstance(record, ModeShapeRecord)
         ),
-        {sensor.name: sensor.quantity for sensor in hypothesis.rig.sensors},
+        hypothesis.rig.sensors,
         findings,
     )
 

@@ -1,12 +1,9 @@
 """A comparison as ``compare.json``."""
 
-from collections.abc import Sequence
-
-import numpy as np
-
 from identification.metrics import BAND_LINES, channel_csac, channel_csf, frac, mre, nrmse, overall_nrmse
 from identification.result import RecordScore
-from models.arrays import ComplexArray, FloatArray
+from models.arrays import FloatArray
+from models.rig import quantities_of
 from testbed.compare import Comparison, FrfPair, ModePair
 from testbed.outputs import Json
 
@@ -48,16 +45,11 @@ def _time_row(row: RecordScore, pair: FrfPair | None) -> Json:
 
 
 def _frf_row(pair: FrfPair, comparison: Comparison) -> Json:
-    errors = [_complex_nrmse(pair.predicted[i : i + 1], pair.measured[i : i + 1]) for i in range(len(pair.sensors))]
+    errors = [nrmse(*rows) for rows in zip(pair.predicted, pair.measured, strict=True)]
     columns = zip(pair.sensors, errors, _frf_figures(pair), strict=True)
     channels = [{"sensor": name, "nrmse": error, "noise_nrmse": None, **more} for name, error, more in columns]
-    whole = _complex_nrmse(pair.predicted, pair.measured, [comparison.quantities[name] for name in pair.sensors])
+    whole = nrmse(pair.predicted, pair.measured, quantities_of(comparison.sensors, pair.sensors))
     return {"record": pair.record, "nrmse": whole, "noise_nrmse": None, "channels": channels}
-
-
-def _complex_nrmse(predicted: ComplexArray, measured: ComplexArray, quantities: Sequence[str] | None = None) -> float:
-    """The error of FRFs over their lines, real and imaginary parts as two signals."""
-    return nrmse(np.hstack([predicted.real, predicted.imag]), np.hstack([measured.real, measured.imag]), quantities)
 
 
 _NO_FIGURES: Json = {"mre": None, "frac": None, "csac": None, "csf": None}

@@ -11,7 +11,7 @@ from identification.prepare import levels
 from models.arrays import FloatArray
 from models.band_limit import SCORE_EDGE
 from models.record import Record
-from models.rig import Rig, Sensor
+from models.rig import Rig, Sensor, quantities_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,8 +84,7 @@ class Bench:
         Args:
             position: m from the clamp.
         """
-        kinds = {sensor.name: sensor.quantity for sensor in self.rig.sensors}
-        here = [kinds[name] for name in self.sensors]
+        here = quantities_of(self.rig.sensors, self.sensors)
         quantity = max(here, key=here.count)
         alike = np.array([kind == quantity for kind in here])
         nodes = [sensor.node for sensor in self.rig.sensors if sensor.node is not None]

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from identification.metrics import mean_by_quantity
 from models.arrays import FloatArray
 from models.plant import Plant
 from models.ports import Port
@@ -97,6 +98,5 @@ def rehearse(plant: Plant, taps: Taps, fs: float) -> Rehearsal:
         rooms.append(SHARE * room / max(float(np.abs(moved).max()), np.finfo(float).tiny))
     peak = TRIAL * min(rooms) if np.isfinite(min(rooms)) else BILATERAL_PEAK
     power = np.mean(done.channels**2, axis=1)
-    kinds = np.array([sensor.quantity for sensor in sensors])
-    rms = np.sqrt([np.mean(power[kinds == kind]) for kind in kinds])
+    rms = np.sqrt(mean_by_quantity(power, [sensor.quantity for sensor in sensors]))
     return Rehearsal(peak, rms * peak / TRIAL)

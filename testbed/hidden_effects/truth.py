@@ -12,7 +12,7 @@ from models.effects import Effect
 from models.fine import FineSettings, fine_response
 from models.plant import Plant, build_plant
 from models.record import Record
-from models.rig import Rig
+from models.rig import Rig, quantities_of
 from models.simulators import simulator
 from models.simulators.protocol import Resolution, Trial
 from testbed.hidden_effects.motion import channels_of
@@ -114,4 +114,4 @@ def _noise_nrmse(
     )
     measured = scored_spectrum(record.responses)
     residual = scored_spectrum(felt - still) - (measured - scored_spectrum(clean))
-    return nrmse(residual, measured, truth.plant.quantities(record.sensors))
+    return nrmse(residual, measured, quantities_of(truth.built.sensors, record.sensors))
