@@ -7,6 +7,7 @@ deviation of what is known beforehand.
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import exp, inf, log
 
 import numpy as np
@@ -44,13 +45,17 @@ class Hypothesis:
     own: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     registry: Registry = field(default_factory=lambda: EFFECTS, repr=False)
 
-    @property
+    @cached_property
     def updated_rig(self) -> Rig:
         """The rig with the values of this hypothesis, still without its effects."""
         return self.rig.with_values(self.values) if self.values else self.rig
 
     def plant(self) -> Plant:
-        """What is simulated."""
+        """What is simulated, built once."""
+        return self._plant
+
+    @cached_property
+    def _plant(self) -> Plant:
         return build_plant(self.updated_rig, self.effects, self.registry)
 
     def simulated(self, record: Record, settings: Settings, plant: Plant | None = None) -> Response:
@@ -62,7 +67,7 @@ class Hypothesis:
             plant: of this hypothesis, if it is at hand.
         """
         start, own = self.start_of(record.name), self.own.get(record.name)
-        return simulate(plant or self.plant(), self.at_zero(record), settings, start, own)
+        return simulate(plant or self.plant(), record, settings, start, own, self.offsets.get(record.name, 0.0))
 
     def motion_at(self, record: Record, sample: int, settings: Settings) -> Motion:
         """How the structure moves at a sample of a record.
@@ -73,7 +78,7 @@ class Hypothesis:
             settings: resolution.
         """
         start, own = self.start_of(record.name), self.own.get(record.name)
-        return motion_at(self.plant(), self.at_zero(record), sample, settings, start, own)
+        return motion_at(self.plant(), record, sample, settings, start, own, self.offsets.get(record.name, 0.0))
 
     def start_of(self, name: str) -> FloatArray | Motion | None:
         """State or motion at a record's first sample, None from rest."""

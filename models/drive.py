@@ -36,10 +36,11 @@ class Drive:
 
 STILL = np.zeros((2, 0))
 
-_raised: "WeakKeyDictionary[Record, dict[tuple[str, int], Drive]]" = WeakKeyDictionary()
+_raised: "WeakKeyDictionary[Record, dict[tuple[str, int, bool], Drive]]" = WeakKeyDictionary()
+"""By quantity and factor: of a record's channel, and of one that reads 1 throughout."""
 
 
-def drive_of(record: Record, plant: Plant, factor: int, free: Mapping[str, float]) -> Drive:
+def drive_of(record: Record, plant: Plant, factor: int, free: Mapping[str, float], zero: float = 0.0) -> Drive:
     """The record's excitation and the effects' base motion for steps of 1 / (factor fs).
 
     Args:
@@ -47,8 +48,9 @@ def drive_of(record: Record, plant: Plant, factor: int, free: Mapping[str, float
         plant: whose effects may correct the excitation channel and shake the base.
         factor: steps per sample.
         free: the record's own parameters of the effects.
+        zero: what the excitation channel reads at rest, SI.
     """
-    return _shaken(_measured(record, plant, factor), record.n_samples, record.fs, plant, factor, free)
+    return _shaken(_measured(record, plant, factor, zero), record.n_samples, record.fs, plant, factor, free)
 
 
 def true_drive(excitation: FloatArray, fs: float, plant: Plant, factor: int, free: Mapping[str, float]) -> Drive:
@@ -67,26 +69,46 @@ def true_drive(excitation: FloatArray, fs: float, plant: Plant, factor: int, fre
 
 def _shaken(drive: Drive, n_samples: int, fs: float, plant: Plant, factor: int, free: Mapping[str, float]) -> Drive:
     """The drive with the base motion of the effects."""
+    if not plant.effects:
+        return drive
     time = np.arange(n_samples * factor) / (fs * factor)
     shaken = [effect.base_acceleration(time, free) for effect in plant.effects]
     present = [acceleration for acceleration in shaken if acceleration is not None]
     return _with_base(drive, np.sum(present, axis=0), n_samples, fs, factor) if present else drive
 
 
-def _measured(record: Record, plant: Plant, factor: int) -> Drive:
+def _measured(record: Record, plant: Plant, factor: int, zero: float) -> Drive:
     """From the excitation channel, kept for the next call where no effect changes it."""
     if record.excitation is None or plant.excitation is None:
         return Drive(np.zeros(record.n_samples * factor), None, STILL, None)
-    quantity, measured = plant.excitation.quantity, record.excitation
+    quantity = plant.excitation.quantity
+    measured = record.excitation - zero if zero else record.excitation
     true = measured
     for effect in plant.effects:
         true = effect.change_excitation(true)
     if true is not measured:
         return _raise(true, record.fs, quantity, factor)
+    plain = _kept(record, record.excitation, quantity, factor, is_one=False)
+    if not zero:
+        return plain
+    return _less(plain, _kept(record, np.ones(record.n_samples), quantity, factor, is_one=True), zero)
+
+
+def _kept(record: Record, signal: FloatArray, quantity: ExcitationQuantity, factor: int, *, is_one: bool) -> Drive:
     kept = _raised.setdefault(record, {})
-    if (quantity, factor) not in kept:
-        kept[quantity, factor] = _raise(true, record.fs, quantity, factor)
-    return kept[quantity, factor]
+    if (quantity, factor, is_one) not in kept:
+        kept[quantity, factor, is_one] = _raise(signal, record.fs, quantity, factor)
+    return kept[quantity, factor, is_one]
+
+
+def _less(drive: Drive, one: Drive, zero: float) -> Drive:
+    """A drive less so many times another of the same quantity: raising the rate is linear."""
+    return Drive(
+        None if drive.force is None or one.force is None else drive.force - zero * one.force,
+        None if drive.base is None or one.base is None else drive.base - zero * one.base,
+        drive.base_motion - zero * one.base_motion,
+        None if drive.seen is None or one.seen is None else drive.seen - zero * one.seen,
+    )
 
 
 def _raise(signal: FloatArray, fs: float, quantity: ExcitationQuantity, factor: int) -> Drive:

@@ -108,6 +108,7 @@ def simulate(
     settings: Settings = Settings(),
     start: FloatArray | Motion | None = None,
     free: Mapping[str, float] | None = None,
+    zero: float = 0.0,
 ) -> Response:
     """Predict a record's channels from its measured excitation.
 
@@ -118,6 +119,7 @@ def simulate(
         start: (2n,) modal displacements and velocities at the first sample, or how another model moves then; from rest
             by default.
         free: the record's own parameters of effects that have some.
+        zero: what the excitation channel reads at rest, SI.
 
     Raises:
         DivergenceError: the motion left the finite numbers.
@@ -125,8 +127,8 @@ def simulate(
     """
     plant = _at_record(plant, record)
     sensors = _sensors_of(plant, record)
-    model, factor, load = _resolved(plant, record, settings, free or {})
-    drive = drive_of(record, plant, factor, free or {})
+    model, factor, load = _resolved(plant, record, settings, free or {}, zero)
+    drive = drive_of(record, plant, factor, free or {}, zero)
     fine, trace = _march(model, drive, record, factor, sensors, start, FORCE_TOLERANCE * load, settings.trace)
     order = np.array([1.0 if s.quantity == "acceleration" else 0.0 for s in sensors])
     channels = record_channels(fine, factor, record.n_samples, record.fs, order)
@@ -145,6 +147,7 @@ def motion_at(
     settings: Settings = Settings(),
     start: FloatArray | Motion | None = None,
     free: Mapping[str, float] | None = None,
+    zero: float = 0.0,
 ) -> Motion:
     """How the structure moves at a sample of a record; laws may remember more than that.
 
@@ -155,10 +158,11 @@ def motion_at(
         settings: resolution.
         start: at the first sample, from rest by default.
         free: the record's own parameters of effects that have some.
+        zero: what the excitation channel reads at rest, SI.
     """
     plant = _at_record(plant, record)
-    model, factor, load = _resolved(plant, record, settings, free or {})
-    drive, h = drive_of(record, plant, factor, free or {}), 1.0 / (factor * record.fs)
+    model, factor, load = _resolved(plant, record, settings, free or {}, zero)
+    drive, h = drive_of(record, plant, factor, free or {}, zero), 1.0 / (factor * record.fs)
     out, trace, everything = np.empty((2 * model.n, sample * factor + 1)), np.empty((0, 0)), np.eye(model.n)
     march_model(
         model, drive, h, STOP_EDGE * record.fs, _state_of(start, model),
@@ -202,11 +206,11 @@ LEAST_SHAPE = 1e-6
 
 
 def _resolved(
-    plant: Plant, record: Record, settings: Settings, free: Mapping[str, float]
+    plant: Plant, record: Record, settings: Settings, free: Mapping[str, float], zero: float
 ) -> tuple[ModalModel, int, float]:
     """The model, its steps per sample, and the force that its forces are weighed against, N."""
     model = build_modal(plant, STOP_EDGE * record.fs, settings.n_modes)
-    load = load_of(model, drive_of(record, plant, 1, free))
+    load = load_of(model, drive_of(record, plant, 1, free, zero))
     steps = settings.steps_per_sample or steps_per_sample(model, record.fs, load)
     return model, max(steps, min(settings.times * steps, most_steps(record.fs))), load
 
