@@ -20,6 +20,7 @@ from identification.hypothesis import effect_unknowns
 from identification.kept_aside import KeptAside
 from identification.noise_left import NOISE_NEAR
 from identification.outcome import AT_REST_ONLY
+from identification.pieces import fit_from_own_starts
 from identification.reached import (
     ERROR_REACHED,
     EXPLAINED_FAR,
@@ -214,7 +215,8 @@ def fit_without(session: Session, calibrated: Fit, found: Fit, index: int) -> Fi
     fits = []
     for start in [less] if handed.values == less.values else [handed, less]:
         try:
-            fits.append(fit(session.fitting, start, (*calibrated.unknowns, *effect_unknowns(start)), precise=True))
+            unknowns = (*calibrated.unknowns, *effect_unknowns(start))
+            fits.append(fit_from_own_starts(session.fitting, fit(session.fitting, start, unknowns, precise=True)))
         except ArithmeticError:
             continue
     return min(fits, key=lambda each: each.cost, default=None)

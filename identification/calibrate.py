@@ -127,7 +127,8 @@ def beginning(evaluator: Evaluator, share: float, seconds: float) -> Evaluator:
         seconds: at least.
     """
     short: list[Target] = [target.soft() for target in evaluator.at_rest]
-    for target in evaluator.timed:
+    from_start = [target for target in evaluator.timed if not target.begins_later]
+    for target in from_start or evaluator.timed:
         record = target.record
         motion = record.responses - np.where(target.without_zero, record.responses.mean(axis=1), 0.0)[:, None]
         power = np.sum((motion / (motion.std(axis=1, keepdims=True) + TINY)) ** 2, axis=0)

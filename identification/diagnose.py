@@ -1,7 +1,8 @@
 """Once round the loop: compare, see where it fails, learn what is missing, add it, and watch the error fall."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import partial
 from time import perf_counter
 
 import numpy as np
@@ -28,10 +29,11 @@ from identification.evidence import Ranked
 from identification.exchange import exchanged
 from identification.fewer import with_fewer
 from identification.fit import Fit, fit
+from identification.followed_again import begin_again, fails_in_pieces, go_on
 from identification.hypothesis import Hypothesis
 from identification.in_all_sleeves import fallen_apart, in_all_sleeves
 from identification.instead import instead_of, within_tolerances
-from identification.kept_aside import kept_aside
+from identification.kept_aside import KeptAside, kept_aside
 from identification.outcome import AT_REST_ONLY
 from identification.prepare import cut_to, horizons, prepare
 from identification.progress import Progress, silent
@@ -100,6 +102,41 @@ def diagnose(
     session.decide(_calibration_in_words(base))
     stages.append(session.stage("calibrated", base.hypothesis))
     chain: list[Fit] = [carried_by_calibrated(session, base)]
+    search = partial(_searched, session, given, holdout, stages, most_effects)
+    found = search(chain)
+    if (found.verdict == "unexplained" or fails_in_pieces(session, found.final)) and go_on(session, found.chain[0]):
+        session.decide("looking again with the rest of the records, in pieces")
+        chain = fitted_again(session, found.chain[:1])
+        stages[1:] = [session.stage("calibrated", chain[0].hypothesis)]
+        found = search(chain)
+    calibration = one_set_of_numbers(session, found.chain[0], found.verdict)
+    diagnosis = concluded(
+        session, stages, found.rounds, found.verdict, found.final, found.last, found.kept, seed, began
+    )
+    return replace(diagnosis, calibration=calibration)
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """What a search came to: the models, what was weighed beside them, the one that stands, and what it is worth."""
+
+    chain: list[Fit]
+    rounds: list[list[Ranked]]
+    verdict: Verdict
+    final: Fit
+    last: Fit
+    kept: KeptAside
+
+
+def _searched(
+    session: Session,
+    given: Hypothesis,
+    holdout: Sequence[AnyRecord],
+    stages: list[Stage],
+    most_effects: int,
+    chain: list[Fit],
+) -> _Found:
+    """Effects added for as long as one explains more, each held against all others, and the verdict."""
     rounds: list[list[Ranked]] = []
     for _ in range(MOST_ROUNDS):
         if is_enough(session, chain[-1]) and session.lengthen(chain[-1]):
@@ -134,9 +171,7 @@ def diagnose(
         last = settled(session, final)
         calibrated = kept_aside(session, given, last.hypothesis, holdout)
         kept = replace(calibrated, missed=calibrated.missed or kept.missed)
-    calibration = one_set_of_numbers(session, chain[0], verdict)
-    found = concluded(session, stages, rounds, verdict, final, last, kept, seed, began)
-    return replace(found, calibration=calibration)
+    return _Found(chain, rounds, verdict, final, last, kept)
 
 
 def _calibrated(session: Session, started: Hypothesis) -> Fit:
@@ -165,6 +200,9 @@ def _looked(
     ranked, better = look_round(session, chain[-1])
     if session.fitting is not before:
         chain, rounds = everything_again(session, chain, rounds)
+    if ranked and begin_again(session, ranked[0].fit, chain[-1]):
+        chain, (*rounds, ranked) = everything_again(session, chain, [*rounds, ranked])
+        better = None
     beginnings = beginnings_of(session, ranked)
     if shorten(session, beginnings):
         chain, (*rounds, ranked) = everything_again(session, chain, [*rounds, ranked])

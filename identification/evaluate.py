@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
-from typing import Protocol, TypeVar
+from typing import Protocol, Self, TypeVar
 
 import numpy as np
 from scipy import fft
@@ -21,6 +21,7 @@ from identification.rest_target import FrfTarget, ModesTarget
 from models.arrays import BoolArray, ComplexArray, FloatArray
 from models.band_limit import SCORE_EDGE
 from models.errors import DivergenceError
+from models.plant import Plant
 from models.record import AnyRecord, Record
 from models.simulate import Response, Settings
 
@@ -70,6 +71,7 @@ class TimeTarget:
         unjudged: samples at the start of a record, or of a later part of one, that was in motion before: the recorder
             saw that and the model does not.
         quantities: of the sensors; all "" where it is one that counts from rest.
+        ran: s of its test before the first sample, through which clocks of laws have run.
     """
 
     record: Record
@@ -81,34 +83,38 @@ class TimeTarget:
     carried: FloatArray = field(default_factory=lambda: np.empty((0, 0, 0)), repr=False)
     unjudged: int = 0
     quantities: tuple[str, ...] = ()
+    ran: float = 0.0
 
     @classmethod
-    def of(
-        cls, record: Record, noise: Noise, unjudged: int = 0, quantities: tuple[str, ...] | None = None
-    ) -> "TimeTarget":
+    def of(cls, record: Record, noise: Noise, unjudged: int = 0, quantities: tuple[str, ...] | None = None) -> Self:
         """With the sensors' noise alone."""
         kinds = ("",) * len(record.sensors) if quantities is None else quantities
         measured = _judged_spectrum(record.responses, unjudged, zero_is_lost(kinds))
         bare = cls(record, noise, measured, np.empty(0), record, record.duration, unjudged=unjudged, quantities=kinds)
         return bare.with_noise(noise)
 
+    @property
+    def begins_later(self) -> bool:
+        """It is no beginning of a record, but a part of one that is there besides."""
+        return False
+
     @cached_property
     def without_zero(self) -> BoolArray:
         """(n,) whether the mean of a channel tells nothing."""
         return zero_is_lost(self.quantities)
 
-    def with_noise(self, noise: Noise) -> "TimeTarget":
+    def with_noise(self, noise: Noise) -> Self:
         """With another noise of the sensors, and none carried from the excitation."""
         sensors = np.maximum(noise.sensors, LEAST_NOISE * self.record.responses.std(axis=1))
         density = np.repeat(sensors[:, None] ** 2, self.measured.shape[1], axis=1)
         return replace(self, noise=noise, density=density, carried=np.empty((0, 0, 0)))
 
-    def with_carried(self, carried: FloatArray) -> "TimeTarget":
+    def with_carried(self, carried: FloatArray) -> Self:
         """With (n_realisations, n, N) of the excitation's noise, as the channels feel it, beside the sensors' own."""
         base = self.with_noise(self.noise)
         return replace(base, density=base.density + _density_of(carried), carried=carried)
 
-    def cut(self, n_samples: int, unjudged: int | None = None) -> "TimeTarget":
+    def cut(self, n_samples: int, unjudged: int | None = None) -> Self:
         """The first samples only, and never the last ``AHEAD`` of a test.
 
         Args:
@@ -121,7 +127,7 @@ class TimeTarget:
         part = samples_of(self.record, 0, n), samples_of(self.driven, 0, n + AHEAD), self.carried[:, :, :n]
         return self._part(*part, self.unjudged if unjudged is None else unjudged)
 
-    def later(self, first: int, name: str) -> "TimeTarget":
+    def later(self, first: int, name: str) -> Self:
         """The record from a sample on, under another name, since it starts from another state.
 
         Args:
@@ -134,7 +140,7 @@ class TimeTarget:
         )
         return self._part(record, driven, self.carried[:, :, first:], AHEAD)
 
-    def _part(self, record: Record, driven: Record, carried: FloatArray, unjudged: int) -> "TimeTarget":
+    def _part(self, record: Record, driven: Record, carried: FloatArray, unjudged: int) -> Self:
         """A part of the record, with the noise that was carried into it."""
         measured = _judged_spectrum(record.responses, unjudged, self.without_zero)
         line = np.linspace(0, self.density.shape[1] - 1, measured.shape[1]).astype(int)
@@ -152,11 +158,11 @@ class TimeTarget:
             unjudged=unjudged,
         )
 
-    def without(self, name: str) -> "TimeTarget":
+    def without(self, name: str) -> Self:
         """Without the channel of a sensor, if it has that."""
         return self.only([sensor for sensor in self.record.sensors if sensor != name])
 
-    def only(self, names: Sequence[str]) -> "TimeTarget":
+    def only(self, names: Sequence[str]) -> Self:
         """The channels of these sensors, which it has, in this order."""
         if tuple(names) == self.record.sensors:
             return self
@@ -175,7 +181,7 @@ class TimeTarget:
             quantities=tuple(self.quantities[k] for k in kept),
         )
 
-    def exchanged(self, name: str, other: str) -> "TimeTarget":
+    def exchanged(self, name: str, other: str) -> Self:
         """With what the channels of two sensors hold exchanged, and their own noise with it, if it has both.
 
         What the model carries from the excitation stays: it belongs to the place, not to the cable.
@@ -259,8 +265,22 @@ class TimeTarget:
 
     def residual(self, hypothesis: Hypothesis, settings: Settings) -> FloatArray:
         """(n_data,) model minus measured in standard deviations of the noise."""
-        channels = hypothesis.simulated(self.driven, settings).channels
+        channels = self.response(hypothesis, settings).channels
         return whitened(self.spectrum(channels) - self.measured, self)
+
+    def disturbed(self, share: float) -> Self:
+        """With what drives it larger by this share."""
+        if self.driven.excitation is None:
+            return self
+        return replace(self, driven=replace(self.driven, excitation=self.driven.excitation * (1.0 + share)))
+
+    def response(self, hypothesis: Hypothesis, settings: Settings, plant: Plant | None = None) -> Response:
+        """What the model says of the record, and of what came after it where the test went on."""
+        return hypothesis.simulated(self.driven, settings, self.met_by(plant or hypothesis.plant()))
+
+    def met_by(self, plant: Plant) -> Plant:
+        """A plant as it is at the first sample."""
+        return plant.later(self.ran) if self.ran else plant
 
 
 WITHOUT_ZERO = frozenset({"acceleration", "angular_velocity"})
@@ -454,7 +474,7 @@ class Evaluator:
         plant = hypothesis.plant()
 
         def one(target: TimeTarget) -> Response:
-            return hypothesis.simulated(target.driven, settings or self.settings, plant)
+            return target.response(hypothesis, settings or self.settings, plant)
 
         self.n_runs += len(self.timed)
         return in_parallel(self.jobs, one, self.timed)

@@ -64,11 +64,13 @@ def with_evidence(ranked: Sequence[Ranked]) -> list[Ranked]:
 def log_fit(result: Fit, scale: float) -> float:
     """Logarithm of the likelihood and the prior at the fit, less what all models have in common.
 
+    Chi-square counts beyond what noise leaves: in pieces of records the starts of some models have more numbers.
+
     Args:
         result: of a round.
         scale: ``misfit_in_common`` of the round; what was known beforehand is not measured in it.
     """
-    return -0.5 * (result.chi2 / scale + result.penalty)
+    return -0.5 * ((result.chi2 - result.n_data) / scale + result.penalty)
 
 
 def log_without(result: Fit, scale: float) -> float:

@@ -69,16 +69,18 @@ class Hypothesis:
         start, own = self.start_of(record.name), self.own.get(record.name)
         return simulate(plant or self.plant(), record, settings, start, own, self.offsets.get(record.name, 0.0))
 
-    def motion_at(self, record: Record, sample: int, settings: Settings) -> Motion:
+    def motion_at(self, record: Record, sample: int, settings: Settings, plant: Plant | None = None) -> Motion:
         """How the structure moves at a sample of a record.
 
         Args:
             record: measured.
             sample: counted from 0.
             settings: resolution.
+            plant: of this hypothesis, if it is at hand.
         """
         start, own = self.start_of(record.name), self.own.get(record.name)
-        return motion_at(self.plant(), record, sample, settings, start, own, self.offsets.get(record.name, 0.0))
+        zero = self.offsets.get(record.name, 0.0)
+        return motion_at(plant or self.plant(), record, sample, settings, start, own, zero)
 
     def start_of(self, name: str) -> FloatArray | Motion | None:
         """State or motion at a record's first sample, None from rest."""

@@ -23,6 +23,7 @@ from identification.far_numbers import said_of_far_numbers
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, PlaceUnknown, free_place, own_unknowns
 from identification.in_step import in_step, tried_with
+from identification.pieces import fit_from_own_starts
 from identification.progress import Progress, silent
 from identification.scene import is_same_place, sleeves_of, valley
 from identification.screen import Suspect, promising, survey
@@ -313,7 +314,8 @@ def refit(evaluator: Evaluator, base: Fit, begun: Hypothesis) -> Fit | None:
     hypothesis = in_step(evaluator, begun, begun.effects[-1:])
     try:
         unknowns = (*base.unknowns, *own_unknowns(hypothesis))
-        return calibrate(evaluator, hypothesis, unknowns, REFIT_WINDOWS, tolerance=REFIT_TOLERANCE)
+        found = calibrate(evaluator, hypothesis, unknowns, REFIT_WINDOWS, tolerance=REFIT_TOLERANCE)
+        return fit_from_own_starts(evaluator, found)
     except ArithmeticError:
         return None
 

@@ -19,6 +19,7 @@ from identification.in_step import tried_with
 from identification.look import View, afar, beside
 from identification.noise_left import NOISE_NEAR
 from identification.onset import of_whole
+from identification.pieces import fit_from_own_starts
 from identification.progress import Progress
 from identification.sketch import (
     FAR_BEHIND,
@@ -143,7 +144,9 @@ def finals(
                 continue
             found = first.hypothesis
         effects = (*base.hypothesis.effects, found.effects[-1])  # a beginning may not tell the others
-        result = refit(fitting, base, replace(base.hypothesis, values=found.values, effects=effects))
+        result = refit(
+            fitting, base, replace(base.hypothesis, values=found.values, motions=found.motions, effects=effects)
+        )
         if result is not None:
             ranked.append(Ranked.of(result, sketch=sketch.fit))
             if _leads(result, sketch) and (leader is None or result.ratio < leader[1].ratio):
@@ -208,7 +211,7 @@ def restarted(evaluator: Evaluator, base: Fit, found: Fit) -> Fit:
         try:
             start = set_in_motion(window, replace(start, starts={}), unknowns)
             first = fit(window, start, alone, tolerance=1e-2)
-            again = calibrate(evaluator, first.hypothesis, unknowns)
+            again = fit_from_own_starts(evaluator, calibrate(evaluator, first.hypothesis, unknowns))
         except ArithmeticError:
             continue
         best = min(best, again, key=lambda f: f.cost)

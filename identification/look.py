@@ -35,7 +35,7 @@ class View:
         there: the calibrated model on them.
         registry: kinds to look for.
         channels: on which effects may sit (``scene.places_of``).
-        is_late: the records begin where a misfit does (``onset``).
+        is_late: the records begin where a misfit does (``onset``), or are pieces of others.
     """
 
     evaluator: Evaluator

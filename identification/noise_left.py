@@ -100,7 +100,12 @@ def _spectra(evaluator: Evaluator, residual: FloatArray) -> list[tuple[TimeTarge
 
 
 def _lowered(target: TimeTarget, spectrum: ComplexArray) -> Noise:
-    """Under a Hann window, so that what rings beyond the end of the record does not fill the quiet bands."""
+    """Under a Hann window, so that what rings beyond the end of the record does not fill the quiet bands.
+
+    What is begun in motion is left alone: its start has been fitted to its noise.
+    """
+    if target.begins_later:
+        return target.noise
     hann = (0.5 * spectrum[:, 1:-1] - 0.25 * (spectrum[:, 2:] + spectrum[:, :-2])) / np.sqrt(3.0 / 8.0)
     sensors = target.noise.sensors.copy()
     for k, channel in enumerate(np.abs(hann[:, FIRST_LINE:]) ** 2):

@@ -90,9 +90,12 @@ def onset_of(
 def goes_on(hypothesis: Hypothesis) -> bool:
     """Whether a motion tells how it goes on: no law has a memory or a clock, no record a phase of its own.
 
-    A base that is measured by its velocity or acceleration would begin at rest again.
+    A base that is measured by its velocity or acceleration would begin at rest again, and so would an absorber on an
+    oscillator, whose own motion is not told.
     """
     plant = hypothesis.plant()
+    if plant.structure.absorbers and not plant.structure.is_beam:
+        return False
     excitation = plant.excitation
     if excitation is not None and excitation.quantity not in ("force", "base_displacement"):
         return False
@@ -110,7 +113,7 @@ def of_whole(hypothesis: Hypothesis, records: Sequence[AnyRecord]) -> Hypothesis
     names = {record.name for record in records}
     return replace(
         hypothesis,
-        motions={},
+        motions={name: motion for name, motion in hypothesis.motions.items() if name in names},
         offsets={name: offset for name, offset in hypothesis.offsets.items() if name in names},
         own={name: numbers for name, numbers in hypothesis.own.items() if name in names},
     )

@@ -68,13 +68,20 @@ def target_of(record: AnyRecord, plant: Plant) -> Target:
     return ModesTarget.of(record)
 
 
-def start_unknowns(hypothesis: Hypothesis, records: Sequence[Record]) -> tuple[Unknown, ...]:
+def start_unknowns(
+    hypothesis: Hypothesis, records: Sequence[Record], plant: Plant | None = None
+) -> tuple[Unknown, ...]:
     """What each record has for itself: its state at the first sample where it does not start at rest, mode by mode.
 
     Where displacements are measured, the excitation channel's reading at rest is unknown with it: neither zero is then
     seen. Effects of the rig file may have numbers of each record's own.
+
+    Args:
+        hypothesis: the model.
+        records: whose numbers are told.
+        plant: as the records meet it, if it is another than the hypothesis's own.
     """
-    plant, names = hypothesis.plant(), [record.name for record in records]
+    plant, names = plant or hypothesis.plant(), [record.name for record in records]
     given = plant.effects[: len(hypothesis.rig.effects)]
     unknowns = [number for effect in given for number in own_numbers(effect, -1, names)]
     for record in records:
@@ -172,7 +179,7 @@ def horizons(evaluator: Evaluator, hypothesis: Hypothesis) -> list[Horizon]:
         for t in evaluator.timed
     ]
     runs = [evaluator.responses(hypothesis)] if evaluator.timed else []
-    nearby = [replace(t, driven=_disturbed(t.driven)) for t in evaluator.timed]
+    nearby = [t.disturbed(DISTURBANCE) for t in evaluator.timed]
     moved = {name: start * (1.0 + DISTURBANCE) for name, start in hypothesis.starts.items()}
     disturbed = [(nearby, replace(hypothesis, starts=moved))]
     for sign in (1.0, -1.0):
@@ -183,12 +190,6 @@ def horizons(evaluator: Evaluator, hypothesis: Hypothesis) -> list[Horizon]:
         _horizon(target, *(response.channels for response in responses))
         for target, *responses in zip(evaluator.timed, *runs, strict=True)
     ]
-
-
-def _disturbed(record: Record) -> Record:
-    if record.excitation is None:
-        return record
-    return replace(record, excitation=record.excitation * (1.0 + DISTURBANCE))
 
 
 def _pushed(record: Record, push: FloatArray | None, sign: float) -> Record:

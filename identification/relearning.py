@@ -8,6 +8,7 @@ from identification.evidence import Ranked, reweighed
 from identification.fit import Fit, fit
 from identification.noise import Noise
 from identification.noise_left import noise_left, noise_uncovered, with_noise
+from identification.pieces import Piece, begun_by
 from identification.session import Session
 
 MOST_LOWERINGS = 3
@@ -30,12 +31,13 @@ def relearn(session: Session, result: Fit, *, uncover: bool = False) -> Fit:
         noises = noise_left(session.fitting, result.residual)
         if uncover:
             noises = noise_uncovered(session.fitting, result.hypothesis, result.residual, rng)
-        changed = [(t, noise) for t, noise in zip(targets, noises, strict=True) if noise is not t.noise]
+        by_name = {target.record.name: noise for target, noise in zip(targets, noises, strict=True)}
+        noises = [by_name[t.whole_name] if isinstance(t, Piece) else by_name[t.record.name] for t in targets]
+        changed = [(t, n) for t, n in zip(targets, noises, strict=True) if n is not t.noise and not t.begins_later]
         if not changed:
             break
         for target, noise in changed:
             session.decide(f"{target.record.name}: {_in_words(target.noise, noise)}")
-        by_name = {target.record.name: noise for target, noise in zip(targets, noises, strict=True)}
         ordered = [by_name[target.record.name] for target in session.everything.timed]
         session.fitting = with_noise(session.fitting, noises, result.hypothesis, rng)
         session.everything = with_noise(session.everything, ordered, result.hypothesis, rng)
@@ -94,9 +96,10 @@ def fitted_again(session: Session, results: list[Fit], ended: Fit | None = None)
 
 
 def _again(session: Session, result: Fit) -> Fit:
+    fitting, begun = begun_by(session.fitting, result.hypothesis)
     return fit(
-        session.fitting,
-        result.hypothesis,
+        fitting,
+        begun,
         result.unknowns,
         max_iterations=4,
         tolerance=REWEIGHING_TOLERANCE,

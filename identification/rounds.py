@@ -14,11 +14,13 @@ from identification.evidence import (
 )
 from identification.faults import suspicion
 from identification.fit import Fit, fit
+from identification.followed_again import explains_its_own
 from identification.hypothesis import Hypothesis
 from identification.in_its_place import with_others_there
 from identification.judge import judge, restarted
 from identification.look import View
 from identification.onset import goes_on, onset_of
+from identification.pieces import most_missed
 from identification.places_open import with_other_valleys
 from identification.prepare import Horizon, cut_to, followed_long
 from identification.reached import NOISE_REACHED
@@ -29,6 +31,10 @@ from models.effects import Registry
 
 SCREEN_SECONDS, TIME_SECONDS = 5.0, 10.0
 """Seconds of records that are used for the screening, and for the screening of effects in time."""
+
+
+PIECES_SECONDS = 3.0
+"""The same of those that are missed most, where records are followed in pieces: each of them tells all it can."""
 
 
 def look_round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
@@ -46,12 +52,16 @@ def look_round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
         first = replace(first, channels=suspected.beside(base.hypothesis.rig))
     # One mode that is damped less is louder in all channels, too: a force is held against all physics.
     if suspected.of_force or not (ranked and ranked[0].fit.ratio <= NOISE_REACHED):
-        views = [_where_it_shows(session, searching, base, first)]
+        views = [_in_pieces(session, searching, base, first) or _where_it_shows(session, searching, base, first)]
         if lasting:
             followed = followed_long(searching, TIME_SECONDS, session.limits)
             views.append(_view(*followed, base, lasting, TIME_SECONDS, 1))
         ranked = judge(
-            views, session.fitting, base, session.progress, lambda found: louder_by(session, base, found) is not None
+            views,
+            session.fitting,
+            base,
+            session.progress,
+            lambda found: explains_its_own(session, found) or louder_by(session, base, found) is not None,
         )
     return (ranked, _recalibrated(session, base, ranked[0].fit)) if ranked else ([], None)
 
@@ -78,6 +88,20 @@ def _fitted_there(view: View, base: Fit) -> Fit:
         except ArithmeticError:
             continue
     return min(found, key=lambda each: each.cost)
+
+
+def _in_pieces(session: Session, searching: Evaluator, base: Fit, view: View) -> View | None:
+    """The pieces of records that are missed most, where more is missed there than in the view."""
+    missed = most_missed(session.fitting, base, PIECES_SECONDS)
+    if not missed:
+        return None
+    evaluator = searching.with_targets(missed)
+    there = _there(evaluator, base.hypothesis, base)
+    if there.ratio <= view.there.ratio:
+        return None
+    names = ", ".join(target.record.name for target in missed)
+    session.decide(f"most is missed where records were begun again: suspects are looked for in {names} on")
+    return replace(view, evaluator=evaluator, there=there, is_late=True)
 
 
 def _where_it_shows(session: Session, searching: Evaluator, base: Fit, view: View) -> View:

@@ -13,6 +13,7 @@ from identification.evaluate import Evaluator, Target, TimeTarget, carry_noise
 from identification.fit import Fit, fit, fit_to_its_end
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
 from identification.last_answer import LastAnswer
+from identification.pieces import Piece, pieces_of
 from identification.prepare import LEAST_TORN, Horizon, cut_to, horizons, resolved
 from identification.progress import Progress
 from identification.reached import NOISE_REACHED, reaches_noise
@@ -63,6 +64,7 @@ class Session:
         seed: of the realisations of the excitation's noise.
         decisions: in order.
         relearnt: whether the noise was lowered on the way.
+        pieces: of records past where they can be followed from their start, which are fitted beside the beginnings.
         is_passing: whether what is left of the fitted part was found to be an event that passes.
     """
 
@@ -75,6 +77,7 @@ class Session:
     decisions: list[str] = field(default_factory=list)
     relearnt: bool = False
     is_passing: bool = False
+    pieces: tuple[Piece, ...] = ()
     _ended: LastAnswer[Fit] = field(default_factory=LastAnswer)
     _out: LastAnswer[bool] = field(default_factory=LastAnswer)
     _carried: LastAnswer[Evaluator] = field(default_factory=LastAnswer)
@@ -125,7 +128,12 @@ class Session:
             everything: the same records.
         """
         whole = {target.record.name: target for target in everything.timed}
-        parts = [whole[part.record.name].cut(part.record.n_samples) for part in self.fitting.timed]
+        parts = [
+            part.heard_as(whole[part.whole_name])
+            if isinstance(part, Piece)
+            else whole[part.record.name].cut(part.record.n_samples)
+            for part in self.fitting.timed
+        ]
         return self.fitting.with_targets([*self.fitting.at_rest, *parts])
 
     def carried_by(self, hypothesis: Hypothesis) -> Evaluator:
@@ -186,6 +194,39 @@ class Session:
         What was fitted already was followed: where a joint sticks, motions part and meet again.
         """
         self._limit(_no_less(horizons(self.everything, hypothesis), self._fitted_seconds))
+        if self.pieces:
+            self.pieces = self.pieces_by(hypothesis) or self.pieces
+
+    def pieces_by(self, hypothesis: Hypothesis) -> tuple[Piece, ...]:
+        """What a model can follow of the records past where it loses them; none where it is lost at once.
+
+        Args:
+            hypothesis: the model.
+        """
+        rng = np.random.default_rng(self.seed)
+        try:
+            return pieces_of(self.everything, hypothesis, self.limits, CLEARLY_LESS, rng)
+        except ArithmeticError:
+            return ()
+
+    def follow(self, pieces: tuple[Piece, ...]) -> bool:
+        """Whether there are pieces; they are fitted from now on beside the beginnings that are.
+
+        Args:
+            pieces: instead of those so far.
+        """
+        if not pieces:
+            return False
+        seconds = sum(piece.record.duration for piece in pieces)
+        self.progress(f"{seconds:.1f} s more are followed in {len(pieces)} pieces, each from a start of its own")
+        self.pieces, self.is_passing = pieces, False
+        self.fitting = self.fitting.with_targets([*self.beginnings, *pieces])
+        return True
+
+    @property
+    def beginnings(self) -> list[Target]:
+        """What is fitted of the records but for pieces."""
+        return [target for target in self.fitting.targets if not isinstance(target, Piece)]
 
     def shorten_to(self, hypothesis: Hypothesis) -> bool:
         """Fit no more of any record from now on than this model predicts, if that is clearly less; whether it is.
@@ -205,13 +246,14 @@ class Session:
         if all(now[name] > CLEARLY_LESS * seconds for name, seconds in before.items()):
             return False
         self._limit(found)
-        self.fitting = cut_to(self.everything, sum(now.values()), self.limits)
+        short = cut_to(self.everything, sum(now.values()), self.limits)
+        self.fitting = short.with_targets([*short.targets, *self.pieces])
         return True
 
     @property
     def _fitted_seconds(self) -> dict[str, float]:
-        """Of each time record."""
-        return {target.record.name: target.record.duration for target in self.fitting.timed}
+        """Of each time record, from its start on."""
+        return {t.record.name: t.record.duration for t in self.fitting.timed if not isinstance(t, Piece)}
 
     def _limit(self, found: Sequence[Horizon]) -> None:
         """Use no more of each record than is found."""
@@ -222,8 +264,9 @@ class Session:
 
     @property
     def all_predicted(self) -> Evaluator:
-        """All records, each as far as it can be predicted."""
-        return cut_to(self.everything, inf, self.limits)
+        """All records, each as far as it can be predicted, and what can be followed of them after that."""
+        from_start = cut_to(self.everything, inf, self.limits)
+        return from_start.with_targets([*from_start.targets, *self.pieces])
 
     @property
     def not_followed(self) -> str:

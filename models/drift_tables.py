@@ -13,7 +13,6 @@ import numpy as np
 
 from models.arrays import FloatArray
 from models.beam.assembly import LEAST_INVERSE
-from models.errors import DivergenceError
 from models.modal import ModalModel
 from models.propagator import LANES, Blocks, Step, exact_step, to_blocks
 from models.step_tables import input_columns
@@ -62,23 +61,6 @@ class Segments:
         """What rows (n_out, 2m) by modal displacement and velocity read of the state of each segment."""
         found, first = _trimmed(rows @ self.to_modal)
         return [Reading(row, first) for row in found]
-
-
-def check_drift(rate: float, duration: float) -> None:
-    """Refuse a bending stiffness of which a record leaves nothing.
-
-    Args:
-        rate: of the bending stiffness, 1/s.
-        duration: of the record, s.
-
-    Raises:
-        DivergenceError: E I falls to nothing or below.
-    """
-    if 1.0 + rate * duration <= 0.0:
-        raise DivergenceError(
-            f"stiffness_drift: at {rate:g} of itself a second the bending stiffness is gone {-1.0 / rate:.4g} s after "
-            f"the start of a record of {duration:.4g} s; a smaller rate or a shorter record leaves some of it"
-        )
 
 
 def steps_of_segment(rate: float, omega: FloatArray, band: float, h: float) -> int:

@@ -5,12 +5,13 @@ from collections.abc import Callable
 import numpy as np
 
 from models.arrays import FloatArray
-from models.drift_tables import AT_ONCE, check_drift, segments_of, steps_of_segment
+from models.drift_tables import AT_ONCE, segments_of, steps_of_segment
 from models.drive import Drive
 from models.modal import ModalModel
 from models.propagator import Blocks
 from models.step_tables import items_of, linear_of, linear_with, signals_of
 from models.stepping import Memory, Reading, march, march_on
+from models.structure import check_drift
 
 
 def march_model(
@@ -70,7 +71,7 @@ def _march_drifting(
     items = items_of(model)
     memory = Memory.fresh(len(model.ports), len(items.port))
     columns, signals = signals_of(model, drive)
-    columns, signals = [*columns, -1], [*signals, rate * h * np.arange(n_steps + 1.0)]
+    columns, signals = [*columns, -1], [*(s[: n_steps + 1] for s in signals), rate * h * np.arange(n_steps + 1.0)]
     inputs, base = np.stack(signals), drive.base_motion
     rows = read(Blocks(np.empty((0, 2, 2)), np.empty((0, 0)), np.eye(2 * m), np.eye(2 * m)))
     length = steps_of_segment(rate, model.omega, band, h)

@@ -54,6 +54,7 @@ class ModalModel:
     rest: RestState
     _matrices: BeamMatrices | None = field(repr=False)
     _modes: FloatArray = field(repr=False)
+    _rows: dict[tuple[float | None, int], FloatArray] = field(default_factory=dict, init=False, repr=False)
 
     @property
     def n(self) -> int:
@@ -62,9 +63,16 @@ class ModalModel:
 
     def rows(self, position: float | None, derivative: int = 0) -> FloatArray:
         """(n,) displacement (slope, curvature) at a position by modal coordinate; an oscillator has one only."""
+        row = self._rows.get((position, derivative))
+        if row is None:
+            row = self._rows[position, derivative] = self._row(position or 0.0, derivative)
+            row.flags.writeable = False
+        return row
+
+    def _row(self, position: float, derivative: int) -> FloatArray:
         if self._matrices is None:
-            return np.asarray(self._modes[0])
-        return np.asarray(self._matrices.row(position or 0.0, derivative) @ self._modes)
+            return np.array(self._modes[0])
+        return np.asarray(self._matrices.row(position, derivative) @ self._modes)
 
     @cached_property
     def port_rows(self) -> FloatArray:

@@ -1,7 +1,8 @@
 """The rig with its effects in place: what is simulated, before any matrix is formed."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 from models.contact import CONTACT_LAWS
 from models.effects import EFFECTS, Effect, build_effect
@@ -30,6 +31,11 @@ class Plant:
     excitation: Excitation | None
     sensors: tuple[Sensor, ...]
     effects: tuple[Effect, ...]
+
+    def later(self, seconds: float) -> Self:
+        """As a record meets it that begins so much later: what changes through a record has changed by then."""
+        contacts = tuple(contact.later(seconds) for contact in self.contacts)
+        return replace(self, structure=self.structure.later(seconds), contacts=contacts)
 
 
 def build_plant(rig: Rig, extra: Iterable[Effect] = (), registry: Mapping[str, type[Effect]] = EFFECTS) -> Plant:

@@ -1,7 +1,7 @@
 """Where point laws act: linear functionals of the displacement field, and the laws attached to them."""
 
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, Self
 
 from models.contact.protocol import ContactLaw
 from models.law import LawFunction
@@ -84,3 +84,8 @@ class Contact:
     clearance: float
     offset: float = 0.0
     clearance_rate: float = 0.0
+
+    def later(self, seconds: float) -> Self:
+        """As a record meets it that begins so much later."""
+        clearance = self.clearance + self.clearance_rate * seconds
+        return replace(self, law=self.law.later(seconds), clearance=clearance)

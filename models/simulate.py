@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -159,16 +160,21 @@ def motion_at(
         start: at the first sample, from rest by default.
         free: the record's own parameters of effects that have some.
         zero: what the excitation channel reads at rest, SI.
+
+    Raises:
+        DivergenceError: the motion left the finite numbers before.
     """
     plant = _at_record(plant, record)
     model, factor, load = _resolved(plant, record, settings, free or {}, zero)
     drive, h = drive_of(record, plant, factor, free or {}, zero), 1.0 / (factor * record.fs)
     out, trace, everything = np.empty((2 * model.n, sample * factor + 1)), np.empty((0, 0)), np.eye(model.n)
-    march_model(
+    done = march_model(
         model, drive, h, STOP_EDGE * record.fs, _state_of(start, model),
         lambda system: np.vstack([system.displacement(everything), system.velocity(everything)]), out, trace,
         FORCE_TOLERANCE * load,
     )  # fmt: skip
+    if done < sample * factor:
+        raise DivergenceError(_lost(record, done * h))
     positions = _positions(model)
     rows = _rows_at(positions, model)
     return Motion(positions, rows @ out[: model.n, -1], rows @ out[model.n :, -1])
@@ -178,11 +184,31 @@ N_POSITIONS = 48
 """Along a beam at which its motion is told; the shortest wave of the kept modes spans several."""
 
 
+def _lost(record: Record, after: float) -> str:
+    return (
+        f"{record.name}: the motion grew without bound {after:.4f} s after the start; "
+        "a passive structure stays finite; look for a negative stiffness or damping among the effects"
+    )
+
+
 def _positions(model: ModalModel) -> tuple[float | None, ...]:
     structure = model.plant.structure
     if not structure.is_beam:
         return (None,)
     return tuple((np.arange(1, N_POSITIONS + 1) * structure.length / N_POSITIONS).tolist())
+
+
+def modal_state(motion: Motion, plant: Plant, fs: float) -> FloatArray:
+    """(2n,) modal displacements and velocities of a plant's model, as a record of this rate asks for, that moves so.
+
+    Args:
+        motion: of the structure.
+        plant: the rig with its effects.
+        fs: Hz.
+    """
+    state = _state_of(motion, build_modal(plant, STOP_EDGE * fs))
+    assert state is not None
+    return state
 
 
 def _state_of(start: FloatArray | Motion | None, model: ModalModel) -> FloatArray | None:
@@ -191,9 +217,14 @@ def _state_of(start: FloatArray | Motion | None, model: ModalModel) -> FloatArra
         return None
     if not isinstance(start, Motion):
         return _resized(start, model.n)
-    both = np.stack([start.displacement, start.velocity], axis=1)
-    state = np.linalg.lstsq(_rows_at(start.positions, model), both, rcond=LEAST_SHAPE)[0]
-    return np.asarray(state.T.ravel())
+    both = np.stack([start.displacement, start.velocity])
+    return np.asarray((both @ _inverse_rows(start.positions, model).T).ravel())
+
+
+@lru_cache(maxsize=16)
+def _inverse_rows(positions: tuple[float | None, ...], model: ModalModel) -> FloatArray:
+    """(n, n_positions) modal coordinates by displacement, kept for the next part of a record."""
+    return np.asarray(np.linalg.pinv(_rows_at(positions, model), rcond=LEAST_SHAPE), np.float64)
 
 
 def _rows_at(positions: Sequence[float | None], model: ModalModel) -> FloatArray:
@@ -313,10 +344,7 @@ def _march(
         out, trace, tolerance,
     )  # fmt: skip
     if done < n_steps:
-        raise DivergenceError(
-            f"{record.name}: the motion grew without bound {done * h:.4f} s after the start; "
-            "a passive structure stays finite; look for a negative stiffness or damping among the effects"
-        )
+        raise DivergenceError(_lost(record, done * h))
     return out, _trace_of(model, trace, factor * record.fs) if keep_trace else None
 
 

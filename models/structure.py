@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from math import inf, pi
 from typing import Self
 
+from models.errors import DivergenceError
 from models.rig import Beam, Oscillator
 
 
@@ -114,6 +115,15 @@ class Structure:
         grown = self.bending_stiffness * (1.0 + self.stiffness_rate * time)
         return replace(self, bending_stiffness=grown, stiffness_rate=0.0)
 
+    def later(self, seconds: float) -> Self:
+        """As a record meets it that begins so much later.
+
+        Raises:
+            DivergenceError: the stiffness has drifted to nothing by then.
+        """
+        check_drift(self.stiffness_rate, seconds)
+        return replace(self.at(seconds), stiffness_rate=self.stiffness_rate / (1.0 + self.stiffness_rate * seconds))
+
     def with_mass(self, position: float | None, mass: float) -> Self:
         """With a point mass, kg, that moves with the structure."""
         return replace(self, masses=(*self.masses, (position, mass)))
@@ -125,3 +135,20 @@ class Structure:
     def with_dashpot(self, position: float | None, damping: float) -> Self:
         """With a dashpot, N s/m, to the base."""
         return replace(self, dashpots=(*self.dashpots, (position, damping)))
+
+
+def check_drift(rate: float, duration: float) -> None:
+    """Refuse a bending stiffness of which a record leaves nothing.
+
+    Args:
+        rate: of the bending stiffness, 1/s.
+        duration: of the record, s.
+
+    Raises:
+        DivergenceError: E I falls to nothing or below.
+    """
+    if 1.0 + rate * duration <= 0.0:
+        raise DivergenceError(
+            f"stiffness_drift: at {rate:g} of itself a second the bending stiffness is gone {-1.0 / rate:.4g} s after "
+            f"the start of a record of {duration:.4g} s; a smaller rate or a shorter record leaves some of it"
+        )

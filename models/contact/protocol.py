@@ -64,6 +64,10 @@ class ContactLaw(ABC):
     def with_elastic(self, stiffness: float, exponent: float) -> "ContactLaw":
         """A law with the elastic part stiffness p^exponent, N/m^n, that loses energy as this one does."""
 
+    def later(self, seconds: float) -> Self:  # noqa: ARG002
+        """The law as a record meets it that begins so much later; one without a clock is the same."""
+        return self
+
     def stiffer(self, ratio: float) -> Self:
         """The same law with its elastic part multiplied by ``ratio``."""
         return replace(self, stiffness=self.stiffness * ratio)

@@ -51,6 +51,10 @@ class TimeVarying(ContactLaw):
         spring: float = p ** c[1] if p > 0.0 else -((-p) ** c[1])
         return c[0] * spring + damping * p_rate
 
+    def later(self, seconds: float) -> Self:
+        """The table with its times counted from then."""
+        return replace(self, times=tuple(time - seconds for time in self.times))
+
     def with_elastic(self, stiffness: float, exponent: float) -> Self:
         """The same table."""
         return replace(self, stiffness=stiffness, exponent=exponent)

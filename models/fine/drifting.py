@@ -10,7 +10,7 @@ import numpy as np
 from scipy.linalg import LinAlgError, block_diag, eigh
 
 from models.arrays import FloatArray
-from models.drift_tables import check_drift, steps_of_segment
+from models.drift_tables import steps_of_segment
 from models.errors import DivergenceError
 from models.fine.collocation import march
 from models.fine.course import Course
@@ -18,7 +18,7 @@ from models.fine.desk import Desk
 from models.fine.system import FineSystem
 from models.fine.tables import make_tables
 from models.point_forces import Items
-from models.structure import Structure
+from models.structure import Structure, check_drift
 
 
 @dataclass(frozen=True, eq=False)

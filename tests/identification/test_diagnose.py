@@ -156,6 +156,20 @@ def test_what_the_records_kept_aside_refute_is_not_named(monkeypatch):
     assert found.holdout["updated"].nrmse > 5.0 * named.holdout["updated"].nrmse
 
 
+def test_what_fails_in_the_rest_of_the_records_is_looked_for_once_more(monkeypatch):
+    begun = []
+    monkeypatch.setattr("identification.diagnose.fails_in_pieces", lambda _, __: True)
+    monkeypatch.setattr("identification.diagnose.go_on", lambda _, base: begun.append(base) or True)
+    rig = oscillator()
+
+    found = learnt_from(moved(rig, 0.5, -0.8, 1.0), rig, rms=20.0)
+
+    assert len(begun) == 1
+    assert found.decisions.count("looking again with the rest of the records, in pieces") == 1
+    assert [stage.label for stage in found.stages] == ["as given", "calibrated"]
+    assert found.verdict == "complete"
+
+
 def test_what_is_decided_is_told():
     told, rig = [], oscillator()
     record, _ = measured(Hypothesis(rig), multisine(4096))  # of 1 s, the noise is told 30 % too low

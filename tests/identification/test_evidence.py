@@ -95,7 +95,9 @@ def test_the_evidence_of_a_log_number_is_laplaces():
     # Half of chi-square, the posterior's width 0.01 beside the prior's 1, and the odds of a law with one number.
     unit = 1.0 + OWN
     assert only.fit.n_data == N_DATA
-    assert only.log_evidence == pytest.approx(-450.0 / unit + log(0.01 * sqrt(unit)) - log(SIMPLER), abs=1e-3)
+    assert only.log_evidence == pytest.approx(
+        -0.5 * (900.0 - N_DATA) / unit + log(0.01 * sqrt(unit)) - log(SIMPLER), abs=1e-3
+    )
 
 
 def test_the_occam_factor_of_a_place_and_of_a_linear_number():

@@ -5,7 +5,7 @@ import pytest
 from model_scenes import rig_with
 from scipy.special import airy
 
-from models.drift_tables import PHASE_ERROR, check_drift, segments_of, steps_of_segment
+from models.drift_tables import PHASE_ERROR, segments_of, steps_of_segment
 from models.drive import STILL, Drive
 from models.effects import EFFECTS, Place
 from models.errors import DivergenceError
@@ -14,6 +14,7 @@ from models.modal import build_modal
 from models.plant import build_plant
 from models.propagator import exact_step, to_blocks
 from models.step_tables import input_columns
+from models.structure import check_drift
 
 H, BAND = 1.0 / 6144.0, 880.0
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from model_scenes import REFERENCE, burst, driven, record_of
 
-from models.drive import drive_of
+from models.drive import ORDER, drive_of
 from models.effects import EFFECTS, Effect, Place
 from models.effects.protocol import Parameter
 from models.plant import build_plant
@@ -114,3 +114,16 @@ def test_two_shakes_and_a_measured_base_add():
     for name in ("base", "base_motion", "seen"):
         total = getattr(none, name) + getattr(alone, name)
         np.testing.assert_allclose(getattr(sum_of_both, name), total, atol=1e-12)
+
+
+@pytest.mark.parametrize("quantity", ["force", *ORDER])
+def test_a_channel_with_a_zero_of_its_own_drives_as_one_without(quantity):
+    plant, signal = build_plant(driven(REFERENCE, quantity)), burst(FS, N, FREQ, 1.0)
+    off = drive_of(record_of(plant, signal + 0.25, FS), plant, FACTOR, {}, 0.25)
+    right = drive_of(record_of(plant, signal, FS), plant, FACTOR, {})
+    for name in ("force", "base", "base_motion", "seen"):
+        found, expected = getattr(off, name), getattr(right, name)
+        if expected is None:
+            assert found is None
+        else:
+            np.testing.assert_allclose(found, expected, atol=1e-9 * np.abs(expected).max(initial=0.0))

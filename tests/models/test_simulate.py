@@ -30,7 +30,7 @@ from models.plant import build_plant
 from models.ports import PointLaw, Port
 from models.rest import contact_force, law_force
 from models.rig import Excitation, Oscillator, Rig, Sensor
-from models.simulate import STEP_RATE, Settings, most_steps, simulate, steps_per_sample
+from models.simulate import STEP_RATE, Settings, most_steps, motion_at, simulate, steps_per_sample
 
 FS, N = 1024.0, 1024
 FINER = 8  # for the other integrator, so that its impacts are not folded into the band
@@ -312,3 +312,24 @@ def test_a_start_serves_a_model_with_another_port_too():
     alone, other = (simulate(p, record_of(p, None, FS, N), start=start).channels for p in plants)
 
     np.testing.assert_allclose(other, alone, atol=2e-3 * np.abs(alone).max())
+
+
+@pytest.mark.parametrize(
+    ("kind", "values"),
+    [
+        ("stiffness_drift", {"rate": 0.02}),
+        ("wear", {"rate": 2e-5}),
+        ("time_varying_damping", {"times": (0.0, 2.0, 4.0), "values": (5.0, 200.0, 20.0)}),
+    ],
+)
+def test_a_motion_and_the_time_that_ran_tell_how_it_goes_on(kind, values):
+    """Beyond the samples that the recorder's filter spreads the new beginning over."""
+    place = Place() if kind == "stiffness_drift" else Place(sleeve="sleeve 1")
+    plant, half = build_plant(REFERENCE, [EFFECTS[kind](place, **values)]), 2 * N
+    whole = record_of(plant, multisine(FS, 2 * half, 5.0, 200.0, 20.0), FS)
+    rest = replace(whole, excitation=whole.excitation[half:], responses=whole.responses[:, half:])
+    start, expected = motion_at(plant, whole, half), simulate(plant, whole).channels[:, half:]
+    later, same = (simulate(each, rest, start=start).channels for each in (plant.later(half / FS), plant))
+    judged = slice(32, N // 4)
+    assert nrmse(later[:, judged], expected[:, judged]) < 0.005
+    assert nrmse(same[:, judged], expected[:, judged]) > 0.05
