@@ -1,6 +1,6 @@
 """Once round the loop: compare, see where it fails, learn what is missing, add it, and watch the error fall."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from time import perf_counter
@@ -106,9 +106,7 @@ def diagnose(
     found = search(chain)
     if (found.verdict == "unexplained" or fails_in_pieces(session, found.final)) and go_on(session, found.chain[0]):
         session.decide("looking again with the rest of the records, in pieces")
-        chain = fitted_again(session, found.chain[:1])
-        stages[1:] = [session.stage("calibrated", chain[0].hypothesis)]
-        found = search(chain)
+        found = _looked_again(session, search, stages, found)
     calibration = one_set_of_numbers(session, found.chain[0], found.verdict)
     diagnosis = concluded(
         session, stages, found.rounds, found.verdict, found.final, found.last, found.kept, seed, began
@@ -172,6 +170,22 @@ def _searched(
         calibrated = kept_aside(session, given, last.hypothesis, holdout)
         kept = replace(calibrated, missed=calibrated.missed or kept.missed)
     return _Found(chain, rounds, verdict, final, last, kept)
+
+
+def _looked_again(
+    session: Session, search: Callable[[list[Fit]], _Found], stages: list[Stage], found: _Found
+) -> _Found:
+    """What is found from the calibrated model on with pieces of the records; what was found, where a motion is lost."""
+    before = session.without_pieces, list(stages)
+    try:
+        chain = fitted_again(session, found.chain[:1])
+        stages[1:] = [session.stage("calibrated", chain[0].hypothesis)]
+        return search(chain)
+    except ArithmeticError:
+        session.decide("a motion leaves the finite numbers there: what was found before stands")
+        session.fitting, session.pieces = before[0], ()
+        stages[:] = before[1]
+        return found
 
 
 def _calibrated(session: Session, started: Hypothesis) -> Fit:

@@ -75,7 +75,7 @@ def _beside_own_pieces(session: Session, result: Fit) -> tuple[Evaluator, Fit] |
     pieces = session.pieces_by(result.hypothesis)
     if not pieces:
         return None
-    own = session.fitting.with_targets([*session.beginnings, *pieces])
+    own = session.fitting.with_targets([*session.without_pieces.targets, *pieces])
     try:
         return own, fit_from_own_starts(own, fit(own, replace(result.hypothesis, motions={}), result.unknowns))
     except ArithmeticError:

@@ -126,6 +126,8 @@ def pieces_of(
     one_by_one = evaluator.with_jobs(1)
     rows = in_parallel(evaluator.jobs, lambda pair: _pieces_from(one_by_one, model, *pair, most), torn)
     pieces = [piece for row in rows for piece in row]
+    if not pieces:
+        return ()
     followed = horizons(evaluator.with_targets(pieces), model)
     cut = [piece.cut(round(limit.seconds * piece.record.fs)) for piece, limit in zip(pieces, followed, strict=True)]
     long = [piece for piece in cut if piece.record.n_samples >= MIN_SAMPLES]

@@ -220,13 +220,13 @@ class Session:
         seconds = sum(piece.record.duration for piece in pieces)
         self.progress(f"{seconds:.1f} s more are followed in {len(pieces)} pieces, each from a start of its own")
         self.pieces, self.is_passing = pieces, False
-        self.fitting = self.fitting.with_targets([*self.beginnings, *pieces])
+        self.fitting = self.fitting.with_targets([*self.without_pieces.targets, *pieces])
         return True
 
     @property
-    def beginnings(self) -> list[Target]:
-        """What is fitted of the records but for pieces."""
-        return [target for target in self.fitting.targets if not isinstance(target, Piece)]
+    def without_pieces(self) -> Evaluator:
+        """What is fitted but for pieces."""
+        return self.fitting.with_targets([each for each in self.fitting.targets if not isinstance(each, Piece)])
 
     def shorten_to(self, hypothesis: Hypothesis) -> bool:
         """Fit no more of any record from now on than this model predicts, if that is clearly less; whether it is.

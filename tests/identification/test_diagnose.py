@@ -17,6 +17,7 @@ from models.effects.sensor_delay import SensorDelay
 from models.effects.sensor_gain import SensorGain
 from models.effects.sensor_position import SensorPosition
 from models.effects.squeeze_film import SqueezeFilm
+from models.errors import DivergenceError
 
 BUILT = moved(REFERENCE, 0.5, -0.4, 0.3, 0.5, -0.5, 0.4, -0.6, 0.3, -0.2)
 """The beam as it was built, within the tolerances of its description."""
@@ -168,6 +169,22 @@ def test_what_fails_in_the_rest_of_the_records_is_looked_for_once_more(monkeypat
     assert found.decisions.count("looking again with the rest of the records, in pieces") == 1
     assert [stage.label for stage in found.stages] == ["as given", "calibrated"]
     assert found.verdict == "complete"
+
+
+def test_what_was_found_stands_where_the_motion_is_lost_in_pieces(monkeypatch):
+    def lost(*_):
+        raise DivergenceError("test: the motion grew without bound")
+
+    monkeypatch.setattr("identification.diagnose.fails_in_pieces", lambda _, __: True)
+    monkeypatch.setattr("identification.diagnose.go_on", lambda _, __: True)
+    monkeypatch.setattr("identification.diagnose.fitted_again", lost)
+    rig = oscillator()
+
+    found = learnt_from(moved(rig, 0.5, -0.8, 1.0), rig, rms=20.0)
+
+    assert found.verdict == "complete"
+    assert [stage.label for stage in found.stages] == ["as given", "calibrated"]
+    assert any("what was found before stands" in decision for decision in found.decisions)
 
 
 def test_what_is_decided_is_told():
