@@ -156,13 +156,14 @@ def _pieces_from(
     fs, n = target.record.fs, round(SECONDS * target.record.fs)
     found: list[Piece] = []
     motion = hypothesis.motion_at(target.driven, first, evaluator.settings)
-    for begin, end in pairwise(range(first, min(target.record.n_samples, first + most * n) + 1, n)):
+    last = min(target.record.n_samples, first + most * n)
+    for begin, end in pairwise(range(first, last + 1, n)):
         later = replace(target.later(begin, f"{target.record.name} from {begin / fs:.2f} s"), ran=begin / fs)
         part = later.cut(end - begin)
         try:
             start = start_sought(evaluator, hypothesis, part, motion)
             found.append(Piece(**_fields_of(part), whole_name=target.record.name, start=start))
-            if end < target.record.n_samples:
+            if end + n <= last:
                 begun = replace(hypothesis, starts={}, motions={part.record.name: start.begin})
                 motion = begun.motion_at(later.driven, end - begin, evaluator.settings)
         except ArithmeticError:

@@ -206,19 +206,19 @@ def modal_state(motion: Motion, plant: Plant, fs: float) -> FloatArray:
         plant: the rig with its effects.
         fs: Hz.
     """
-    state = _state_of(motion, build_modal(plant, STOP_EDGE * fs))
-    assert state is not None
-    return state
+    return _state_moving_so(motion, build_modal(plant, STOP_EDGE * fs))
 
 
 def _state_of(start: FloatArray | Motion | None, model: ModalModel) -> FloatArray | None:
     """(2n,) modal displacements and velocities of a model that starts so; None from rest."""
     if start is None:
         return None
-    if not isinstance(start, Motion):
-        return _resized(start, model.n)
-    both = np.stack([start.displacement, start.velocity])
-    return np.asarray((both @ _inverse_rows(start.positions, model).T).ravel())
+    return _state_moving_so(start, model) if isinstance(start, Motion) else _resized(start, model.n)
+
+
+def _state_moving_so(motion: Motion, model: ModalModel) -> FloatArray:
+    both = np.stack([motion.displacement, motion.velocity])
+    return np.asarray((both @ _inverse_rows(motion.positions, model).T).ravel())
 
 
 @lru_cache(maxsize=16)
