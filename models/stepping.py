@@ -23,6 +23,13 @@ INTERNAL_TOLERANCE = 1e-12
 LAST_OLD_SLOPE = 1
 """Iterations that use the slope of an earlier step before it is formed anew."""
 
+STEEP_AFTER = 12
+"""Iterations after which a law without internal state counts as steep, and its force as the same all through a step:
+the parabola has a middle force, which a friction that sticks would turn about from step to step without end."""
+
+LEAST_STEEP = 1.0
+"""Part of a small force that a law takes back through the motion within a step, up to which it is steep no longer."""
+
 CONVERGING = 0.1
 """Of the tolerance, below which the next change is not waited for: as it goes on from the last two, it is their ratio
 times the last. Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, section IV.8."""
@@ -120,6 +127,7 @@ class Memory(NamedTuple):
         z: (n_items,) internal states.
         before: (n_items,) forces at the start of the step, from which the next step's are guessed, N.
         newton: (n_items, 2, 2) inverse matrices of the iteration.
+        steep: (n_items,) 1 where a law counts as steep.
     """
 
     q: FloatArray
@@ -127,13 +135,16 @@ class Memory(NamedTuple):
     z: FloatArray
     before: FloatArray
     newton: FloatArray
+    steep: IntArray
 
     @classmethod
     def fresh(cls, n_ports: int, n_items: int) -> "Memory":
         """For the first step of all."""
         newton = np.zeros((n_items, 2, 2))
         newton[:, 0, 0] = newton[:, 1, 1] = 1.0
-        return cls(np.zeros(n_ports), np.zeros(n_ports), np.zeros(n_items), np.zeros(n_items), newton)
+        return cls(
+            np.zeros(n_ports), np.zeros(n_ports), np.zeros(n_items), np.zeros(n_items), newton, np.zeros(n_items, int)
+        )
 
 
 @njit(**INLINE)
@@ -246,6 +257,46 @@ def law_step(
 
 
 @njit(**OPTIONS)
+def steady_force(
+    law: int, values: FloatArray, offset: int, t: float, q: float, v: float, q_by: float, v_by: float, force: float,
+    tolerance: float,
+) -> tuple[float, float]:  # fmt: skip
+    """The force of a law that is the same all through a step to t, as the motion at its end asks for, and its slope.
+
+    By Newton's method between the bounds that the faults before have set, so that a law however steep is met.
+
+    Args:
+        law: address of a force without internal state.
+        values: parameters in a row.
+        offset: where the law's begin.
+        t: at the end of the step, s.
+        q: displacement there under ``force``, m.
+        v: velocity there under ``force``, m/s.
+        q_by: what a unit of force adds to ``q``, m/N.
+        v_by: what a unit of force adds to ``v``, m/(N s).
+        force: to begin with, N.
+        tolerance: fault that ends the iteration, N.
+
+    Returns:
+        the force, N, and how much less the law asks for when it is more by a unit.
+    """
+    low, high, slope = -np.inf, np.inf, 0.0
+    q_free, v_free = q - q_by * force, v - v_by * force
+    for _ in range(MAX_ITERATIONS):
+        unit = tolerance + SLOPE_NUDGE * abs(force)
+        q1, v1 = q_free + q_by * force, v_free + v_by * force
+        asked = call_law(law, t, q1, v1, 0.0, values, offset)
+        slope = (asked - call_law(law, t, q1 + q_by * unit, v1 + v_by * unit, 0.0, values, offset)) / unit
+        fault, low, high = asked - force, force if asked > force else low, high if asked > force else force
+        force += fault / (1.0 + slope)
+        if abs(fault) < tolerance * (1.0 + abs(slope)):
+            break
+        if not low < force < high:
+            force = 0.5 * (low + high)
+    return force, slope
+
+
+@njit(**OPTIONS)
 def internal_state(
     rate: int, values: FloatArray, offset: int, t: float, h: float,
     q0: float, v0: float, z0: float, q1: float, v1: float,
@@ -331,7 +382,7 @@ def march_on(  # noqa: C901, PLR0912, PLR0915
     a, b = np.zeros(n_items), np.zeros(n_items)
     force, before, port_a, port_b = np.zeros(n_items), memory.before.copy(), np.zeros(n_ports), np.zeros(n_ports)
     p0, r0, side0, n0 = np.zeros(n_items), np.zeros(n_items), np.ones(n_items), np.zeros(n_items)
-    newton = memory.newton.copy()
+    newton, steep = memory.newton.copy(), memory.steep.copy()
     new = state.copy()
     first, second, new_first, new_second = state[:n], state[n:], new[:n], new[n:]
     q_state, v_state, out_state = new[q_read.first :], new[v_read.first :], new[read.first :]
@@ -405,45 +456,54 @@ def march_on(  # noqa: C901, PLR0912, PLR0915
                 is_open = is_contact[j] and p0[j] <= 0.0 and a[j] == 0.0 and b[j] == 0.0 and contact[j, 3] == 0.0
                 if is_open and penetration_of(contact, j, t, q1[i], v1[i])[0] <= 0.0:  # to the end, as guessed
                     continue
-                a_new, b_new, a_by_a, b_by_a, change, unit = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-                # The motion as it is, then with a little more of the force's start, then of its end.
-                for probe in range(3):
-                    q, v = q1[i], v1[i]
-                    if probe == 1:
-                        q, v = q + q_start[i, i] * unit, v + v_start[i, i] * unit
-                    elif probe == 2:
-                        q, v = q + q_end[i, i] * unit, v + v_end[i, i] * unit
-                    if is_contact[j]:
-                        a_near, b_near = contact_step(
-                            law_of[j], values, offset[j], contact, j, t, h, p0[j], r0[j], side0[j], n0[j], q, v
-                        )
-                    elif rate_of[j] == 0:
-                        a_near, b_near = law_step(law_of[j], values, offset[j], t, h, q0[i], v0[i], force[j], q, v)
-                    else:
-                        z = internal_state(rate_of[j], values, offset[j], t, h, q0[i], v0[i], z0[j], q, v)
-                        a_near, b_near = force[j], call_law(law_of[j], t, q, v, z, values, offset[j])
+                change = 0.0
+                if (steep[j] or iteration >= STEEP_AFTER) and not is_contact[j] and rate_of[j] == 0:
+                    q_by, v_by = q_start[i, i] + q_end[i, i], v_start[i, i] + v_end[i, i]
+                    q, v = q1[i] + q_end[i, i] * (a[j] - b[j]), v1[i] + v_end[i, i] * (a[j] - b[j])
+                    steady, slope = steady_force(law_of[j], values, offset[j], t, q, v, q_by, v_by, a[j], tolerance)
+                    steep[j] = slope > LEAST_STEEP
+                    da, db = steady - a[j], steady - b[j]
+                    change = abs(da) + abs(db)
+                else:
+                    a_new, b_new, a_by_a, b_by_a, unit = 0.0, 0.0, 0.0, 0.0, 0.0
+                    # The motion as it is, then with a little more of the force's start, then of its end.
+                    for probe in range(3):
+                        q, v = q1[i], v1[i]
+                        if probe == 1:
+                            q, v = q + q_start[i, i] * unit, v + v_start[i, i] * unit
+                        elif probe == 2:
+                            q, v = q + q_end[i, i] * unit, v + v_end[i, i] * unit
+                        if is_contact[j]:
+                            a_near, b_near = contact_step(
+                                law_of[j], values, offset[j], contact, j, t, h, p0[j], r0[j], side0[j], n0[j], q, v
+                            )
+                        elif rate_of[j] == 0:
+                            a_near, b_near = law_step(law_of[j], values, offset[j], t, h, q0[i], v0[i], force[j], q, v)
+                        else:
+                            z = internal_state(rate_of[j], values, offset[j], t, h, q0[i], v0[i], z0[j], q, v)
+                            a_near, b_near = force[j], call_law(law_of[j], t, q, v, z, values, offset[j])
+                            if probe == 0:
+                                z1[j] = z
                         if probe == 0:
-                            z1[j] = z
-                    if probe == 0:
-                        a_new, b_new = a_near, b_near
-                        change = abs(a_new - a[j]) + abs(b_new - b[j])
-                        if change < tolerance or iteration <= LAST_OLD_SLOPE:
-                            break
-                        unit = tolerance + SLOPE_NUDGE * abs(b_new)
-                    elif probe == 1:
-                        a_by_a, b_by_a = (a_near - a_new) / unit, (b_near - b_new) / unit
-                    else:
-                        a_by_b, b_by_b = (a_near - a_new) / unit, (b_near - b_new) / unit
-                        determinant = (1.0 - a_by_a) * (1.0 - b_by_b) - a_by_b * b_by_a
-                        if LEAST_DETERMINANT < determinant < LARGEST_DETERMINANT:
-                            newton[j, 0, 0], newton[j, 0, 1] = (1.0 - b_by_b) / determinant, a_by_b / determinant
-                            newton[j, 1, 0], newton[j, 1, 1] = b_by_a / determinant, (1.0 - a_by_a) / determinant
+                            a_new, b_new = a_near, b_near
+                            change = abs(a_new - a[j]) + abs(b_new - b[j])
+                            if change < tolerance or iteration <= LAST_OLD_SLOPE:
+                                break
+                            unit = tolerance + SLOPE_NUDGE * abs(b_new)
+                        elif probe == 1:
+                            a_by_a, b_by_a = (a_near - a_new) / unit, (b_near - b_new) / unit
+                        else:
+                            a_by_b, b_by_b = (a_near - a_new) / unit, (b_near - b_new) / unit
+                            determinant = (1.0 - a_by_a) * (1.0 - b_by_b) - a_by_b * b_by_a
+                            if LEAST_DETERMINANT < determinant < LARGEST_DETERMINANT:
+                                newton[j, 0, 0], newton[j, 0, 1] = (1.0 - b_by_b) / determinant, a_by_b / determinant
+                                newton[j, 1, 0], newton[j, 1, 1] = b_by_a / determinant, (1.0 - a_by_a) / determinant
+                    damped = 1.0 if iteration < MAX_ITERATIONS // 3 else 0.5
+                    da = damped * (newton[j, 0, 0] * (a_new - a[j]) + newton[j, 0, 1] * (b_new - b[j]))
+                    db = damped * (newton[j, 1, 0] * (a_new - a[j]) + newton[j, 1, 1] * (b_new - b[j]))
                 if change < tolerance:
                     continue
                 largest = max(largest, change)
-                damped = 1.0 if iteration < MAX_ITERATIONS // 3 else 0.5
-                da = damped * (newton[j, 0, 0] * (a_new - a[j]) + newton[j, 0, 1] * (b_new - b[j]))
-                db = damped * (newton[j, 1, 0] * (a_new - a[j]) + newton[j, 1, 1] * (b_new - b[j]))
                 a[j] += da
                 b[j] += db
                 port_a[i] += da
@@ -481,6 +541,7 @@ def march_on(  # noqa: C901, PLR0912, PLR0915
         if not size < FINITE:
             return step
     memory.q[:], memory.v[:], memory.z[:], memory.before[:], memory.newton[:] = q0, v0, z0, before, newton
+    memory.steep[:] = steep
     if tracing:
         for i in range(n_ports):
             trace[n_steps, i] = q0[i]

@@ -259,3 +259,22 @@ def test_a_step_of_any_length_is_taken_to_the_end():
         )
         assert done == n - 1
         assert np.isfinite(out).all()
+
+
+@pytest.mark.parametrize("slip_velocity", [1e-3, 1e-6, 1e-9])
+def test_friction_that_sticks_holds_still_however_steep_it_is(slip_velocity):
+    """A free decay under dry friction: 4 F_c / k less with every cycle, then at rest where it stopped."""
+    mass, stiffness, friction = 3.0, 1200.0, 1.0
+    rig = Rig(structure=Oscillator(kind="oscillator", mass=mass, stiffness=stiffness, damping=0.0))
+    plant = build_plant(rig, extra=[EFFECTS["coulomb_friction"](Place(), friction, slip_velocity)])
+    omega = np.sqrt(stiffness / mass)
+    time, q, v, _, forces, model = moved(plant, 2.5, 6144, [10.2 * friction / stiffness * omega * np.sqrt(mass)])
+    q, v = q[0] * model.rows(None)[0], v[0] * model.rows(None)[0]
+    turns = q[1:-1][(np.sign(v[1:-1]) != np.sign(v[2:])) & (time[1:-1] < 1.0)]
+    sag = friction / stiffness
+    first = np.hypot(10.2 * sag, sag) - sag  # about -sag, from where it begins at q = 0
+    np.testing.assert_allclose(np.abs(turns), first - 2 * sag * np.arange(len(turns)), atol=3e-2 * sag)
+    rest = time > 2.0
+    assert np.abs(v[rest]).max() < max(slip_velocity, 1e-9)
+    assert np.abs(np.diff(forces[0, rest])).max() < 1e-3 * friction
+    np.testing.assert_allclose(forces[0, rest], stiffness * q[rest], rtol=1e-3, atol=1e-3)
