@@ -34,32 +34,21 @@ Load = tuple[float, int]
 
 
 @dataclass(frozen=True, eq=False)
-class ModalModel:
-    """Modal equations q'' + C q' + omega^2 q = forces at ports, about the state at rest.
+class Modes:
+    """A linear structure in its modes: what stays as it is while only contacts and laws change.
 
     Attributes:
-        plant: the rig with its effects.
-        ports: where forces act: the point laws', then the contacts', each once.
-        omega: (n,) natural circular frequencies of the structure without sleeves, rad/s, the static shapes' last.
-        damping: (n, n) modal damping matrix, 1/s; diagonal unless dashpots or springs are attached.
-        carried: (n,) modal inertia against a base acceleration, sqrt(kg).
-        rest: the state at rest under gravity.
+        omega, damping, carried: see ``ModalModel``.
+        shapes: (n_ritz, n) in the columns, by the coordinates of ``matrices``, or of an oscillator and its absorbers.
+        matrices: of a beam; None for an oscillator.
     """
 
-    plant: Plant
-    ports: tuple[Port, ...]
     omega: FloatArray
     damping: FloatArray
     carried: FloatArray
-    rest: RestState
-    _matrices: BeamMatrices | None = field(repr=False)
-    _modes: FloatArray = field(repr=False)
+    shapes: FloatArray = field(repr=False)
+    matrices: BeamMatrices | None = field(repr=False)
     _rows: dict[tuple[float | None, int], FloatArray] = field(default_factory=dict, init=False, repr=False)
-
-    @property
-    def n(self) -> int:
-        """Modal coordinates."""
-        return len(self.omega)
 
     def rows(self, position: float | None, derivative: int = 0) -> FloatArray:
         """(n,) displacement (slope, curvature) at a position by modal coordinate; an oscillator has one only."""
@@ -69,17 +58,62 @@ class ModalModel:
             row.flags.writeable = False
         return row
 
+    def port_rows(self, ports: Sequence[Port]) -> FloatArray:
+        """(n_ports, n) motion of ports by modal coordinate."""
+        if not ports:
+            return np.empty((0, len(self.omega)))
+        return np.stack([self.rows(port.position, port.derivative) for port in ports])
+
     def _row(self, position: float, derivative: int) -> FloatArray:
-        if self._matrices is None:
-            return np.array(self._modes[0])
-        return np.asarray(self._matrices.row(position, derivative) @ self._modes)
+        if self.matrices is None:
+            return np.array(self.shapes[0])
+        return np.asarray(self.matrices.row(position, derivative) @ self.shapes)
+
+
+@dataclass(frozen=True, eq=False)
+class ModalModel:
+    """Modal equations q'' + C q' + omega^2 q = forces at ports, about the state at rest.
+
+    Attributes:
+        plant: the rig with its effects.
+        ports: where forces act: the point laws', then the contacts', each once.
+        modes: of the structure without sleeves and point laws.
+        rest: the state at rest under gravity.
+    """
+
+    plant: Plant
+    ports: tuple[Port, ...]
+    modes: Modes
+    rest: RestState
+
+    @property
+    def omega(self) -> FloatArray:
+        """(n,) natural circular frequencies of the structure without sleeves, rad/s, the static shapes' last."""
+        return self.modes.omega
+
+    @property
+    def damping(self) -> FloatArray:
+        """(n, n) modal damping matrix, 1/s; diagonal unless dashpots or springs are attached."""
+        return self.modes.damping
+
+    @property
+    def carried(self) -> FloatArray:
+        """(n,) modal inertia against a base acceleration, sqrt(kg)."""
+        return self.modes.carried
+
+    @property
+    def n(self) -> int:
+        """Modal coordinates."""
+        return len(self.omega)
+
+    def rows(self, position: float | None, derivative: int = 0) -> FloatArray:
+        """(n,) displacement (slope, curvature) at a position by modal coordinate; an oscillator has one only."""
+        return self.modes.rows(position, derivative)
 
     @cached_property
     def port_rows(self) -> FloatArray:
         """(n_ports, n) motion of the ports by modal coordinate."""
-        if not self.ports:
-            return np.empty((0, self.n))
-        return np.stack([self.rows(port.position, port.derivative) for port in self.ports])
+        return self.modes.port_rows(self.ports)
 
     def port_forces(self, rest: RestState) -> FloatArray:
         """(n_ports,) forces of laws and contacts together on the structure at rest, N.
@@ -98,27 +132,28 @@ class ModalModel:
         Args:
             x: (n,) m from the clamp.
         """
-        assert self._matrices is not None
         return np.array([self._matrices.row(float(position)) @ self._bent for position in x])
 
     @cached_property
     def bending(self) -> FloatArray:
         """(n, n) share of the beam's own bending in the modal stiffness, 1/s^2: what a drift of E I changes."""
-        assert self._matrices is not None
-        return _tidy(self._modes.T @ self._matrices.bending @ self._modes)
+        return _tidy(self.modes.shapes.T @ self._matrices.bending @ self.modes.shapes)
 
     @cached_property
     def bending_at_rest(self) -> FloatArray:
         """(n,) modal force with which the beam's own bending resists the deflection at rest."""
-        assert self._matrices is not None
-        return np.asarray(self._modes.T @ (self._matrices.bending @ self._bent))
+        return np.asarray(self.modes.shapes.T @ (self._matrices.bending @ self._bent))
 
     @cached_property
     def _bent(self) -> FloatArray:
         """(n_ritz,) deflection at rest."""
-        assert self._matrices is not None
         load = self._matrices.weight + self.port_forces(self.rest) @ _port_rows(self._matrices, self.ports)
         return solve_static(self._matrices.stiffness, load)
+
+    @property
+    def _matrices(self) -> BeamMatrices:
+        assert self.modes.matrices is not None
+        return self.modes.matrices
 
 
 @lru_cache(maxsize=64)
@@ -139,46 +174,41 @@ def build_modal(plant: Plant, band: float, n_modes: int | None = None) -> ModalM
     loads = tuple(sorted({(position, order) for position, order in named if position is not None}))
     kept = n_modes if n_modes is not None else modes_below(plant.structure, BAND_MARGIN * band)
     # A drift begins with the record: the beam of its start is the beam without it.
-    beam = _reduced_beam(replace(plant.structure, stiffness_rate=0.0), kept, loads)
-    rows = _port_rows(beam.matrices, ports)
-    flexibility = rows @ solve_static(beam.matrices.stiffness, rows.T)
-    plant = replace(plant, laws=_yielding(plant.laws, ports, flexibility))
-    rest = find_rest(
-        plant,
-        ports,
-        sag=rows @ solve_static(beam.matrices.stiffness, beam.matrices.weight),
-        flexibility=flexibility,
-    )
-    return ModalModel(
-        plant=plant,
-        ports=ports,
-        omega=beam.omega,
-        damping=beam.damping,
-        carried=beam.carried,
-        rest=rest,
-        _matrices=beam.matrices,
-        _modes=beam.modes,
-    )
-
-
-@dataclass(frozen=True, eq=False)
-class _ReducedBeam:
-    """What of a modal model depends on the linear structure alone; see ``ModalModel``."""
-
-    matrices: BeamMatrices
-    modes: FloatArray
-    omega: FloatArray
-    damping: FloatArray
-    carried: FloatArray
+    modes = _modes_of_beam(replace(plant.structure, stiffness_rate=0.0), kept, loads)
+    yielded = _yielded(modes, ports)
+    plant = replace(plant, laws=_yielding(plant.laws, ports, yielded.flexibility))
+    return ModalModel(plant, ports, modes, find_rest(plant, ports, yielded.sag, yielded.flexibility))
 
 
 @lru_cache(maxsize=256)
-def _reduced_beam(structure: Structure, kept: int, loads: tuple[Load, ...]) -> _ReducedBeam:
-    """The beam in ``kept`` modes and the residual shapes of ``loads``, kept while only contacts and laws change."""
+def _modes_of_beam(structure: Structure, kept: int, loads: tuple[Load, ...]) -> Modes:
+    """``kept`` modes and the residual shapes of ``loads``."""
     matrices = assemble_beam(structure, kept + SPARE_MODES, tuple(position for position, order in loads if order == 0))
-    modes, square = _reduce(matrices, kept, loads)
-    damping = _tidy(modes.T @ matrices.damping @ modes)
-    return _ReducedBeam(matrices, modes, np.sqrt(square), damping, modes.T @ matrices.carried)
+    shapes, square = _reduce(matrices, kept, loads)
+    damping = _tidy(shapes.T @ matrices.damping @ shapes)
+    return Modes(np.sqrt(square), damping, shapes.T @ matrices.carried, shapes, matrices)
+
+
+@dataclass(frozen=True, eq=False)
+class _Yielded:
+    """How a beam yields at its ports.
+
+    Attributes:
+        sag: (n_ports,) under its own weight without sleeves, m.
+        flexibility: (n_ports, n_ports) displacement by force, m/N.
+    """
+
+    sag: FloatArray
+    flexibility: FloatArray
+
+
+@lru_cache(maxsize=256)
+def _yielded(modes: Modes, ports: tuple[Port, ...]) -> _Yielded:
+    matrices = modes.matrices
+    assert matrices is not None
+    rows = _port_rows(matrices, ports)
+    sag = rows @ solve_static(matrices.stiffness, matrices.weight)
+    return _Yielded(sag, rows @ solve_static(matrices.stiffness, rows.T))
 
 
 def modes_below(structure: Structure, freq: float) -> int:
@@ -222,20 +252,13 @@ def _oscillator(plant: Plant, ports: tuple[Port, ...]) -> ModalModel:
         stretch = np.eye(n)[number] - first
         stiffness += spring * np.outer(stretch, stretch)
         damping += dashpot * np.outer(stretch, stretch)
-    square, modes = eigh(stiffness, np.diag(inertia))
-    modes = _upwards(modes, first)
+    square, shapes = eigh(stiffness, np.diag(inertia))
+    shapes = _upwards(shapes, first)
     flexibility = 1.0 / held if held > 0.0 else 0.0
     sag = np.full(len(ports), -inertia.sum() * structure.gravity * flexibility)
-    return ModalModel(
-        plant=plant,
-        ports=ports,
-        omega=np.sqrt(np.maximum(square, 0.0)),
-        damping=_tidy(modes.T @ damping @ modes),
-        carried=inertia @ modes,
-        rest=find_rest(plant, ports, sag, np.full((len(ports), len(ports)), flexibility)),
-        _matrices=None,
-        _modes=modes,
-    )
+    omega, damping = np.sqrt(np.maximum(square, 0.0)), _tidy(shapes.T @ damping @ shapes)
+    rest = find_rest(plant, ports, sag, np.full((len(ports), len(ports)), flexibility))
+    return ModalModel(plant, ports, Modes(omega, damping, inertia @ shapes, shapes, None), rest)
 
 
 def _port_rows(matrices: BeamMatrices, ports: Sequence[Port]) -> FloatArray:

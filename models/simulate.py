@@ -310,12 +310,10 @@ def output_rows(model: ModalModel, system: Blocks, sensors: tuple[Sensor, ...]) 
         system: its state.
         sensors: what is read.
     """
-    rows = np.empty((len(sensors), len(system.from_modal)))
-    for i, sensor in enumerate(sensors):
-        shape = model.rows(sensor.position, 1 if sensor.quantity == "angular_velocity" else 0)
-        read = system.displacement if sensor.quantity == "displacement" else system.velocity
-        rows[i] = read(shape[None])[0]
-    return rows
+    shapes = [model.rows(sensor.position, 1 if sensor.quantity == "angular_velocity" else 0) for sensor in sensors]
+    rows = np.reshape(shapes, (len(sensors), model.n))
+    still = np.array([sensor.quantity == "displacement" for sensor in sensors], np.bool_)
+    return np.where(still[:, None], system.displacement(rows), system.velocity(rows))
 
 
 def _seen_of_base(seen: FloatArray, sensor: Sensor) -> FloatArray:

@@ -8,7 +8,7 @@ import numpy as np
 from models.arrays import FloatArray
 from models.drive import Drive
 from models.law import law_address
-from models.modal import ModalModel
+from models.modal import ModalModel, Modes
 from models.ports import Port
 from models.propagator import Blocks, Step, exact_step, to_blocks
 from models.rest import is_bilateral
@@ -17,10 +17,9 @@ from models.stepping import Items, Linear, Reading
 
 def linear_of(model: ModalModel, drive: Drive, h: float) -> tuple[Blocks, Linear, FloatArray]:
     """The linear system, a step of it as the stepper takes it, and the (n_in, M) known inputs."""
-    system, step = _step_of(model, h)
+    system, step, motion = _step_of(model.modes, model.ports, _driven_at(model), h)
     columns, signals = signals_of(model, drive)
-    q, v = (Reading.of(rows(model.port_rows)) for rows in (system.displacement, system.velocity))
-    return system, linear_with(model, step, columns, (q, v), h), np.stack(signals)
+    return system, linear_with(model, step, columns, motion, h), np.stack(signals)
 
 
 def signals_of(model: ModalModel, drive: Drive) -> tuple[list[int], list[FloatArray]]:
@@ -59,16 +58,25 @@ def linear_with(
 
 def input_columns(model: ModalModel) -> FloatArray:
     """(n, n_ports + 2) modal force per unit of each port's force, of the excitation and of the base's acceleration."""
-    excitation = model.plant.excitation
-    place = excitation.position if excitation is not None and excitation.position is not None else None
-    return np.column_stack([*model.port_rows, model.rows(place), -model.carried])
+    return _columns_of(model.modes, model.ports, _driven_at(model))
 
 
-@lru_cache(maxsize=64)
-def _step_of(model: ModalModel, h: float) -> tuple[Blocks, Step]:
-    """The linear system and a step of it, for the ports' forces, the excitation and the base, kept for more records."""
-    system = to_blocks(model.omega, model.damping, input_columns(model))
-    return system, exact_step(system, h)
+def _driven_at(model: ModalModel) -> float | None:
+    return None if model.plant.excitation is None else model.plant.excitation.position
+
+
+def _columns_of(modes: Modes, ports: tuple[Port, ...], driven_at: float | None) -> FloatArray:
+    return np.column_stack([*modes.port_rows(ports), modes.rows(driven_at), -modes.carried])
+
+
+@lru_cache(maxsize=256)
+def _step_of(
+    modes: Modes, ports: tuple[Port, ...], driven_at: float | None, h: float
+) -> tuple[Blocks, Step, tuple[Reading, Reading]]:
+    """The linear system, a step of it, and q and v of its ports, kept while only contacts, laws and records change."""
+    system = to_blocks(modes.omega, modes.damping, _columns_of(modes, ports, driven_at))
+    rows = modes.port_rows(ports)
+    return system, exact_step(system, h), (Reading.of(system.displacement(rows)), Reading.of(system.velocity(rows)))
 
 
 def items_of(model: ModalModel) -> Items:
