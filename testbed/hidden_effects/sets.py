@@ -316,7 +316,14 @@ REPORTED = CaseSet(
             "line, which the next seed judges; two done behind the first case that was not done, outside-0, both "
             "right, are left out.",
         ),
-        33301: Batch("157201f"),
+        33301: Batch(
+            "157201f",
+            19,
+            taught="nothing yet: its one miss has both kinds",
+            run="Ended when a second search, in pieces of the records, had come to the diagnosis: the next seed "
+            "judges that.",
+        ),
+        34403: Batch("b32c26d"),
     },
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),
