@@ -191,7 +191,7 @@ class Session:
         """Shorten what is used of the records to what this model predicts, which may part from its neighbours sooner.
 
         Past that the residual follows no slope: a fit ends in one of many pits there, and calls its walls an interval.
-        What was fitted already was followed: where a wall was just missed, motions part and meet again.
+        What was fitted already was followed.
         """
         self._limit(_no_less(horizons(self.everything, hypothesis), self._fitted_seconds))
         if self.pieces:
@@ -231,7 +231,7 @@ class Session:
     def shorten_to(self, hypothesis: Hypothesis) -> bool:
         """Fit no more of any record from now on than this model predicts, if that is clearly less; whether it is.
 
-        Where the force's noise tears nothing apart, motions that part meet again, as where a wall was just missed.
+        Where the force's noise tears nothing apart, what was fitted already can be followed, however near motions part.
 
         Args:
             hypothesis: that explains the beginning and, fitted, no more.

@@ -235,17 +235,34 @@ def _ports(plant: Plant) -> tuple[Port, ...]:
 
 
 def _oscillator(plant: Plant, ports: tuple[Port, ...]) -> ModalModel:
-    """One degree of freedom, then one per absorber that hangs on it; all ports are on the first."""
-    structure, n = plant.structure, 1 + len(plant.structure.absorbers)
-    own_mass = structure.line_mass + sum(m for _, m in structure.masses)
-    own_stiffness, own = structure.bending_stiffness, np.array([[structure.line_mass]])
-    if structure.loss_factor is not None:
-        own = np.array([[own_mass]])
-    inertia = np.array([own_mass, *(absorber.mass for absorber in structure.absorbers)])
+    """All ports are on the first degree of freedom."""
+    structure = plant.structure
+    held = _held(structure)
+    flexibility = 1.0 / held if held > 0.0 else 0.0
+    sag = np.full(len(ports), -_inertia(structure).sum() * structure.gravity * flexibility)
+    rest = find_rest(plant, ports, sag, np.full((len(ports), len(ports)), flexibility))
+    return ModalModel(plant, ports, _modes_of_oscillator(structure), rest)
+
+
+def _held(structure: Structure) -> float:
+    """Stiffness of an oscillator against its base, N/m."""
+    return structure.bending_stiffness + sum(k for _, k in structure.springs)
+
+
+def _inertia(structure: Structure) -> FloatArray:
+    """Masses of an oscillator and of its absorbers, kg."""
+    own = structure.line_mass + sum(m for _, m in structure.masses)
+    return np.array([own, *(absorber.mass for absorber in structure.absorbers)])
+
+
+@lru_cache(maxsize=256)
+def _modes_of_oscillator(structure: Structure) -> Modes:
+    """One degree of freedom, then one per absorber that hangs on it."""
+    n, inertia = 1 + len(structure.absorbers), _inertia(structure)
+    own = np.array([[structure.line_mass if structure.loss_factor is None else inertia[0]]])
     stiffness, damping, first = np.zeros((n, n)), np.zeros((n, n)), np.eye(n)[0]
-    held = own_stiffness + sum(k for _, k in structure.springs)
-    stiffness[0, 0] = held
-    damping[0, 0] = own_damping(structure, own, np.array([[own_stiffness]]))[0, 0]
+    stiffness[0, 0] = _held(structure)
+    damping[0, 0] = own_damping(structure, own, np.array([[structure.bending_stiffness]]))[0, 0]
     damping[0, 0] += sum(c for _, c in structure.dashpots)
     for number, absorber in enumerate(structure.absorbers, start=1):
         spring, dashpot = absorber.coefficients
@@ -254,11 +271,8 @@ def _oscillator(plant: Plant, ports: tuple[Port, ...]) -> ModalModel:
         damping += dashpot * np.outer(stretch, stretch)
     square, shapes = eigh(stiffness, np.diag(inertia))
     shapes = _upwards(shapes, first)
-    flexibility = 1.0 / held if held > 0.0 else 0.0
-    sag = np.full(len(ports), -inertia.sum() * structure.gravity * flexibility)
     omega, damping = np.sqrt(np.maximum(square, 0.0)), _tidy(shapes.T @ damping @ shapes)
-    rest = find_rest(plant, ports, sag, np.full((len(ports), len(ports)), flexibility))
-    return ModalModel(plant, ports, Modes(omega, damping, inertia @ shapes, shapes, None), rest)
+    return Modes(omega, damping, inertia @ shapes, shapes, None)
 
 
 def _port_rows(matrices: BeamMatrices, ports: Sequence[Port]) -> FloatArray:

@@ -23,12 +23,16 @@ INTERNAL_TOLERANCE = 1e-12
 LAST_OLD_SLOPE = 1
 """Iterations that use the slope of an earlier step before it is formed anew."""
 
-STEEP_AFTER = 12
-"""Iterations after which a law without internal state counts as steep, and its force as the same all through a step:
-the parabola has a middle force, which a friction that sticks would turn about from step to step without end."""
+STEEP_AFTER, LEAST_STEEP = 12, 1.0
+"""A law without internal state that has not been met by then, and would take back more than this part of a small force
+through the motion within the step, counts as steep: its force is the same all through. The parabola has a middle force,
+which a friction that sticks would turn about from step to step without end."""
 
-LEAST_STEEP = 1.0
-"""Part of a small force that a law takes back through the motion within a step, up to which it is steep no longer."""
+GIVEN_UP = 30
+"""Iterations after which such a law is taken so for this one step, steep or not."""
+
+ROUNDED = 1e-14
+"""Of a force times its slope: a fault as small is rounding."""
 
 CONVERGING = 0.1
 """Of the tolerance, below which the next change is not waited for: as it goes on from the last two, it is their ratio
@@ -263,7 +267,8 @@ def steady_force(
 ) -> tuple[float, float]:  # fmt: skip
     """The force of a law that is the same all through a step to t, as the motion at its end asks for, and its slope.
 
-    By Newton's method between the bounds that the faults before have set, so that a law however steep is met.
+    By Newton's method between the bounds that the faults before have set: one that resists the more, the more it is
+    pushed, is met however steep it is.
 
     Args:
         law: address of a force without internal state.
@@ -278,22 +283,28 @@ def steady_force(
         tolerance: fault that ends the iteration, N.
 
     Returns:
-        the force, N, and how much less the law asks for when it is more by a unit.
+        the force, N, and how much less the law asks for when it is more by a unit; -1 for that where it was not met.
     """
-    low, high, slope = -np.inf, np.inf, 0.0
+    low, high = -np.inf, np.inf
     q_free, v_free = q - q_by * force, v - v_by * force
     for _ in range(MAX_ITERATIONS):
         unit = tolerance + SLOPE_NUDGE * abs(force)
         q1, v1 = q_free + q_by * force, v_free + v_by * force
         asked = call_law(law, t, q1, v1, 0.0, values, offset)
         slope = (asked - call_law(law, t, q1 + q_by * unit, v1 + v_by * unit, 0.0, values, offset)) / unit
-        fault, low, high = asked - force, force if asked > force else low, high if asked > force else force
-        force += fault / (1.0 + slope)
-        if abs(fault) < tolerance * (1.0 + abs(slope)):
+        fault = asked - force
+        if not abs(slope) < FINITE or slope <= -1.0:
             break
+        if abs(fault) < max(tolerance, ROUNDED * slope * abs(force)):
+            return force, slope
+        if fault > 0.0:
+            low = force
+        else:
+            high = force
+        force += fault / (1.0 + slope)
         if not low < force < high:
             force = 0.5 * (low + high)
-    return force, slope
+    return force, -1.0
 
 
 @njit(**OPTIONS)
@@ -382,7 +393,7 @@ def march_on(  # noqa: C901, PLR0912, PLR0915
     a, b = np.zeros(n_items), np.zeros(n_items)
     force, before, port_a, port_b = np.zeros(n_items), memory.before.copy(), np.zeros(n_ports), np.zeros(n_ports)
     p0, r0, side0, n0 = np.zeros(n_items), np.zeros(n_items), np.ones(n_items), np.zeros(n_items)
-    newton, steep = memory.newton.copy(), memory.steep.copy()
+    newton, steep, unmet = memory.newton.copy(), memory.steep.copy(), np.zeros(n_items, np.bool_)
     new = state.copy()
     first, second, new_first, new_second = state[:n], state[n:], new[:n], new[n:]
     q_state, v_state, out_state = new[q_read.first :], new[v_read.first :], new[read.first :]
@@ -456,15 +467,16 @@ def march_on(  # noqa: C901, PLR0912, PLR0915
                 is_open = is_contact[j] and p0[j] <= 0.0 and a[j] == 0.0 and b[j] == 0.0 and contact[j, 3] == 0.0
                 if is_open and penetration_of(contact, j, t, q1[i], v1[i])[0] <= 0.0:  # to the end, as guessed
                     continue
-                change = 0.0
-                if (steep[j] or iteration >= STEEP_AFTER) and not is_contact[j] and rate_of[j] == 0:
+                change, da, db, is_steady = 0.0, 0.0, 0.0, False
+                if (steep[j] or (iteration >= STEEP_AFTER and unmet[j])) and not is_contact[j] and rate_of[j] == 0:
                     q_by, v_by = q_start[i, i] + q_end[i, i], v_start[i, i] + v_end[i, i]
                     q, v = q1[i] + q_end[i, i] * (a[j] - b[j]), v1[i] + v_end[i, i] * (a[j] - b[j])
                     steady, slope = steady_force(law_of[j], values, offset[j], t, q, v, q_by, v_by, a[j], tolerance)
                     steep[j] = slope > LEAST_STEEP
+                    is_steady = slope > LEAST_STEEP or (iteration >= GIVEN_UP and slope > -1.0)
                     da, db = steady - a[j], steady - b[j]
                     change = abs(da) + abs(db)
-                else:
+                if not is_steady:
                     a_new, b_new, a_by_a, b_by_a, unit = 0.0, 0.0, 0.0, 0.0, 0.0
                     # The motion as it is, then with a little more of the force's start, then of its end.
                     for probe in range(3):
@@ -501,7 +513,8 @@ def march_on(  # noqa: C901, PLR0912, PLR0915
                     damped = 1.0 if iteration < MAX_ITERATIONS // 3 else 0.5
                     da = damped * (newton[j, 0, 0] * (a_new - a[j]) + newton[j, 0, 1] * (b_new - b[j]))
                     db = damped * (newton[j, 1, 0] * (a_new - a[j]) + newton[j, 1, 1] * (b_new - b[j]))
-                if change < tolerance:
+                unmet[j] = change >= tolerance
+                if not unmet[j]:
                     continue
                 largest = max(largest, change)
                 a[j] += da

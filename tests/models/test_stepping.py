@@ -9,13 +9,14 @@ from model_scenes import REFERENCE, burst, multisine, nrmse, record_of, rig_with
 from models.band_limit import STOP_EDGE
 from models.drive import STILL, Drive
 from models.effects import EFFECTS, Place
+from models.law import law_address
 from models.modal import build_modal
 from models.plant import build_plant
 from models.ports import PointLaw, Port
 from models.rig import Excitation, Oscillator, Rig
 from models.simulate import STEP_RATE, Settings, simulate
 from models.step_tables import items_of, linear_of
-from models.stepping import Reading, crossing, halfway, internal_state, march, part_step
+from models.stepping import Reading, crossing, halfway, internal_state, march, part_step, steady_force
 
 FS, N = 1024.0, 512
 LAST = Place(position=1.0)
@@ -221,8 +222,6 @@ def test_the_crossing_is_that_of_the_cubic(root):
 
 
 def test_the_internal_state_is_carried_by_the_trapezoidal_rule():
-    from models.law import law_address
-
     address, values, h = law_address(relaxing), np.array([300.0]), 1e-3
     z = internal_state(address, values, 0, h, h, 0.0, 0.0, 0.8, 0.0, 0.0)
     assert z == pytest.approx(0.8 * (1.0 - 0.15) / (1.0 + 0.15), rel=1e-12)
@@ -278,3 +277,31 @@ def test_friction_that_sticks_holds_still_however_steep_it_is(slip_velocity):
     assert np.abs(v[rest]).max() < max(slip_velocity, 1e-9)
     assert np.abs(np.diff(forces[0, rest])).max() < 1e-3 * friction
     np.testing.assert_allclose(forces[0, rest], stiffness * q[rest], rtol=1e-3, atol=1e-3)
+
+
+@pytest.mark.parametrize("slip_velocity", [1e-1, 1e-4, 1e-9])
+def test_a_steady_force_is_what_the_motion_at_the_end_asks_for(slip_velocity):
+    """A mass of 3 kg at 2 mm/s, held by friction within a step: m v / h where that is within its means."""
+    address, h, mass = law_address(EFFECTS["coulomb_friction"].force), 1e-3, 3.0
+    values = np.array([100.0, slip_velocity])
+    force, slope = steady_force(address, values, 0, h, 0.0, 2e-3, 0.5 * h * h / mass, h / mass, 0.0, 1e-9)
+    assert force == pytest.approx(-100.0 * np.tanh((2e-3 + force * h / mass) / slip_velocity), abs=1e-5)
+    assert slope > 0.0
+    if slip_velocity < 1e-8:
+        assert force == pytest.approx(-mass * 2e-3 / h, rel=1e-4)
+
+
+def test_a_law_that_asks_for_more_the_more_it_is_given_is_left_alone():
+    address, h, mass = law_address(EFFECTS["coulomb_friction"].force), 1e-3, 3.0
+    force, slope = steady_force(address, np.array([-100.0, 1e-4]), 0, h, 0.0, 0.0, 0.0, h / mass, 1e-12, 1e-9)
+    assert np.isfinite(force)
+    assert slope == -1.0
+
+
+def test_a_film_between_hard_walls_is_marched_through():
+    """It damps less away from a wall, so more force may ask for more."""
+    walls = {"clearance": 2e-5, "stiffness": 1e7, "damping": 1e5}
+    film = EFFECTS["squeeze_film"](ON_SLEEVE, 300.0)
+    plant = build_plant(rig_with(sleeve(0.45, **walls), sleeve(1.0, **walls)), extra=[film])
+    record = record_of(plant, multisine(FS, N, 5.0, 200.0, 15.0), FS)
+    assert np.isfinite(simulate(plant, record).channels).all()
