@@ -312,8 +312,8 @@ def output_rows(model: ModalModel, system: Blocks, sensors: tuple[Sensor, ...]) 
     """
     shapes = [model.rows(sensor.position, 1 if sensor.quantity == "angular_velocity" else 0) for sensor in sensors]
     rows = np.reshape(shapes, (len(sensors), model.n))
-    still = np.array([sensor.quantity == "displacement" for sensor in sensors], np.bool_)
-    return np.where(still[:, None], system.displacement(rows), system.velocity(rows))
+    displaced = np.array([sensor.quantity == "displacement" for sensor in sensors], np.bool_)
+    return np.where(displaced[:, None], system.displacement(rows), system.velocity(rows))
 
 
 def _seen_of_base(seen: FloatArray, sensor: Sensor) -> FloatArray:

@@ -473,10 +473,11 @@ def march_on(  # noqa: C901, PLR0912, PLR0915
                     q, v = q1[i] + q_end[i, i] * (a[j] - b[j]), v1[i] + v_end[i, i] * (a[j] - b[j])
                     steady, slope = steady_force(law_of[j], values, offset[j], t, q, v, q_by, v_by, a[j], tolerance)
                     steep[j] = slope > LEAST_STEEP
-                    is_steady = slope > LEAST_STEEP or (iteration >= GIVEN_UP and slope > -1.0)
+                    is_steady = slope > (LEAST_STEEP if iteration < GIVEN_UP else -1.0)
+                if is_steady:
                     da, db = steady - a[j], steady - b[j]
                     change = abs(da) + abs(db)
-                if not is_steady:
+                else:
                     a_new, b_new, a_by_a, b_by_a, unit = 0.0, 0.0, 0.0, 0.0, 0.0
                     # The motion as it is, then with a little more of the force's start, then of its end.
                     for probe in range(3):
