@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from math import log, sqrt
 
 import numpy as np
 
@@ -16,14 +17,17 @@ from identification.next_experiment.odds import expected_probability, present_pr
 from identification.next_experiment.planned import PlannedTest
 from identification.next_experiment.proposal import Option
 from identification.next_experiment.rivals import Rival
+from identification.outcome import TELLABLE
 from models.arrays import FloatArray
 from models.errors import InputError
 from models.simulate import Settings
 from models.simulators import simulator
 from models.simulators.protocol import Resolution
 
-DECISIVE = 0.95
-"""Probability of the right rival that settles a matter."""
+DECISIVE, EXCLUDED = 0.95, sqrt(2.0 * log(1.0 / TELLABLE))
+"""Probability of the right rival that settles a matter, and the separation, in standard deviations, at which
+the records themselves exclude a rival in the mean (``outcome.undecided``): of two that predict the same one may be as
+probable beforehand, and no test has settled that."""
 
 SHOWN = 5
 """Options that are told."""
@@ -157,7 +161,12 @@ def _merit(question: Question, option: Option) -> tuple[bool, float, float, floa
     """
     gain = (option.expected_probability - present_probability(question.chances)) / option.test.minutes
     ample = min(option.separation, AMPLE)
-    return option.expected_probability >= DECISIVE, float(f"{gain:.2g}"), ample, -option.reach
+    return settles(option), float(f"{gain:.2g}"), ample, -option.reach
+
+
+def settles(option: Option) -> bool:
+    """Whether a test is expected to leave one rival alone, by what it measures."""
+    return option.expected_probability >= DECISIVE and option.separation >= EXCLUDED
 
 
 AMPLE = 10.0

@@ -16,10 +16,10 @@ from identification.next_experiment.advice import (
     more_of_what_is_left,
 )
 from identification.next_experiment.bench import Bench
-from identification.next_experiment.choose import DECISIVE, Question, options_of
+from identification.next_experiment.choose import Question, options_of, settles
 from identification.next_experiment.odds import present_probability
 from identification.next_experiment.proposal import Proposal
-from identification.next_experiment.rivals import Rival, rivals_of
+from identification.next_experiment.rivals import Rival, all_refitted, rivals_of
 from identification.next_experiment.words import in_vain, why, words_of
 from identification.outcome import AT_REST_ONLY
 from identification.result import ErrorMap, MissingForce, Verdict
@@ -58,7 +58,7 @@ def next_experiment(
         return Proposal("the same test at a higher level, or a time record", AT_REST_ONLY)
     bench = Bench.of(model.rig, session.everything.timed)
     for ranked, chances in rounds if verdict == "missing_effect" else ():
-        rivals = rivals_of(ranked, chances)
+        rivals = rivals_of(all_refitted(session.fitting, ranked, chances, session.progress), chances)
         if len(rivals) > 1:
             session.progress(
                 f"weighing tests that could tell {' from '.join(rival.effect.label() for rival in rivals)}"
@@ -94,10 +94,9 @@ def _told_apart(session: Session, bench: Bench, rivals: tuple[Rival, ...], ratio
             "another kind of test than a shaker, a hammer or a sensor more", in_vain(names, None), rivals=effects
         )
     best = options[0]
-    settled = best.expected_probability >= DECISIVE
     return Proposal(
         do=words_of(best),
-        why=why(names, best, present, question.limits) if settled else in_vain(names, best),
+        why=why(names, best, present, question.limits) if settles(best) else in_vain(names, best),
         test=best.test,
         options=options,
         present_probability=present,

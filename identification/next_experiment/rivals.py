@@ -5,10 +5,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from identification.evaluate import Evaluator
 from identification.evidence import Ranked, misfit_in_common
 from identification.fit import NOT_TOLD, Fit, prior_of
 from identification.hypothesis import Hypothesis, Unknown, at_coordinates, coordinates
+from identification.in_its_place import refit, without_last
 from identification.outcome import undecided
+from identification.progress import Progress
 from models.arrays import FloatArray
 from models.effects import Effect
 
@@ -45,6 +48,40 @@ class Rival:
         return at_coordinates(self.hypothesis, self.unknowns, coordinates(self.hypothesis, self.unknowns) + along)
 
 
+def all_refitted(
+    fitting: Evaluator, ranked: Sequence[Ranked], chances: Sequence[float], progress: Progress
+) -> tuple[Ranked, ...]:
+    """The rows of a round, those in doubt refitted beside the first one's other effects if only a sketch of them is.
+
+    Args:
+        fitting: records to refit on.
+        ranked: of the round, sorted.
+        chances: probabilities of its rows.
+        progress: told what is being done.
+    """
+    doubtful = [row for row, _ in _in_doubt(ranked, chances)]
+    if len(doubtful) < 2:
+        return tuple(ranked)
+    first, rows = ranked[0].fit, []
+    last = len(first.hypothesis.effects) - 1
+    shared = tuple(unknown for unknown in first.unknowns if getattr(unknown, "effect", None) != last)
+    for row in ranked:
+        found = None
+        if row in doubtful and not row.refitted:
+            progress(f"refitting {row.effect.label()}, which cannot be excluded, with all numbers on {fitting.extent}")
+            begun = without_last(first.hypothesis).with_effects(row.effect)
+            found = refit(fitting, replace(first, unknowns=shared), begun)
+        rows.append(
+            row if found is None else replace(row, effect=found.hypothesis.effects[-1], fit=found, refitted=True)
+        )
+    return tuple(rows)
+
+
+def _in_doubt(ranked: Sequence[Ranked], chances: Sequence[float]) -> list[tuple[Ranked, float]]:
+    """What a test is chosen for of the rows that the records do not exclude, the most probable first."""
+    return sorted(undecided(ranked, chances), key=lambda pair: -pair[1])[:MOST_RIVALS]
+
+
 def rivals_of(ranked: Sequence[Ranked], chances: Sequence[float]) -> tuple[Rival, ...]:
     """The rows of a round that its records do not exclude, the most probable first.
 
@@ -53,8 +90,7 @@ def rivals_of(ranked: Sequence[Ranked], chances: Sequence[float]) -> tuple[Rival
         chances: probabilities of its rows.
     """
     scale = misfit_in_common(ranked)
-    kept = sorted(((r, p) for r, p in undecided(ranked, chances) if r.refitted), key=lambda pair: -pair[1])
-    return tuple(_rival(row, chance, scale) for row, chance in kept[:MOST_RIVALS])
+    return tuple(_rival(row, chance, scale) for row, chance in _in_doubt(ranked, chances) if row.refitted)
 
 
 def _rival(row: Ranked, chance: float, scale: float) -> Rival:

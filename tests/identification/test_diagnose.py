@@ -27,8 +27,8 @@ def few(*kinds):
     return MappingProxyType({kind: EFFECTS[kind] for kind in kinds})
 
 
-def learnt_from(truth, rig, *, rms, low=10.0, registry=EFFECTS, holdout=()):
-    record, _ = measured(truth, multisine(4096, rms=rms, low=low), name="multisine")
+def learnt_from(truth, rig, *, rms, n=4096, low=10.0, registry=EFFECTS, holdout=()):
+    record, _ = measured(truth, multisine(n, rms=rms, low=low), name="multisine")
     kept = [measured(truth, multisine(2048, rms=rms, low=low, seed=s), seed=s, name=f"kept {s}")[0] for s in holdout]
     return diagnose(rig, [record], kept, registry=registry, jobs=1)
 
@@ -62,7 +62,7 @@ MEASUREMENT = few(*(kind for kind, cls in EFFECTS.items() if cls.family == "meas
 def test_a_fault_of_the_measurement_is_named_with_its_size(fault):
     truth = Hypothesis(REFERENCE, BUILT.values, effects=(fault,))
 
-    found = learnt_from(truth, REFERENCE, rms=2.0, registry=MEASUREMENT)
+    found = learnt_from(truth, REFERENCE, rms=2.0, n=2048, registry=MEASUREMENT)
 
     assert found.verdict == "missing_effect"
     (added,) = found.added
@@ -81,7 +81,7 @@ def test_two_effects_are_found_one_after_the_other():
     truth = Hypothesis(REFERENCE, BUILT.values, effects=(film, gain))
     kinds = few("squeeze_film", "point_damping", "point_mass", "sensor_gain", "gap_offset")
 
-    found = learnt_from(truth, REFERENCE, rms=4.0, registry=kinds, holdout=(7,))
+    found = learnt_from(truth, REFERENCE, rms=4.0, n=2048, registry=kinds, holdout=(7,))
 
     assert found.verdict == "missing_effect"
     numbers = {(a.effect.kind, a.effect.place.sleeve or a.effect.place.sensor): a.estimates[0] for a in found.added}
@@ -117,8 +117,8 @@ def test_a_hardening_spring_is_found(rms):
 @pytest.mark.parametrize("gain", [-1.0, 1e-3], ids=["reversed", "in kN"])
 def test_a_force_that_is_reversed_or_in_another_unit_is_found_and_told(gain):
     truth = Hypothesis(REFERENCE, effects=(ForceGain(Place(), gain=gain),))
-    record, _ = measured(truth, gain * multisine(4096, 2, rms=5.0), name="loud")
-    kept, _ = measured(truth, gain * multisine(2048, rms=3.0, seed=9), name="kept")
+    record, _ = measured(truth, gain * multisine(2048, 2, rms=5.0), name="loud")
+    kept, _ = measured(truth, gain * multisine(1024, rms=3.0, seed=9), name="kept")
 
     found = diagnose(REFERENCE, [record], [kept], registry=MEASUREMENT, jobs=2)
 

@@ -11,9 +11,11 @@ from identification.hypothesis import Hypothesis
 from identification.locating.located import Located
 from identification.next_experiment.advice import CHAOTIC, LOWER
 from identification.next_experiment.candidates import steady
+from identification.next_experiment.choose import settles
 from identification.next_experiment.costs import COSTS, LIMITS
 from identification.next_experiment.proposal import Option
 from identification.next_experiment.propose import next_experiment, shortened
+from identification.next_experiment.rivals import all_refitted
 from identification.next_experiment.words import why, words_of
 from identification.outcome import AT_REST_ONLY
 from identification.prepare import Horizon, horizons
@@ -147,6 +149,33 @@ def test_a_group_is_told_apart_by_a_weighed_test():
     assert {effect.kind for effect in told.rivals} == {"cubic_stiffness", "sensor_gain"}
     assert "do not tell" in told.why
     assert told.present_probability < told.best.expected_probability
+
+
+def test_a_member_that_was_only_sketched_is_fitted_and_weighed():
+    rig = oscillator("displacement")
+    cubic = CubicStiffness(Place(), stiffness=3.0 * rig.structure.stiffness / 1e-3**2)
+    gain = SensorGain(Place(sensor="top"), gain=1.0)
+    _, evaluator = oscillators_record(Hypothesis(rig, effects=(replace(gain, gain=1.1),)), rms=2.0)
+    first, second = ranked_on(evaluator, [Hypothesis(rig, effects=(effect,)) for effect in (gain, cubic)])
+    rows, said = [first, replace(second, refitted=False)], []
+
+    again = all_refitted(evaluator, rows, [0.6, 0.4], said.append)
+    told = next_experiment(session_of(evaluator), "missing_effect", [(rows, [0.6, 0.4])], first.fit.hypothesis)
+
+    assert [row.refitted for row in again] == [True, True]
+    assert again[1].fit.chi2 == pytest.approx(second.fit.chi2, rel=0.01)
+    assert len(said) == 1
+    assert [effect.kind for effect in told.rivals] == ["sensor_gain", "cubic_stiffness"]
+    assert all_refitted(evaluator, rows, [0.99, 0.01], said.append)[1] is rows[1]  # not in doubt
+
+
+@pytest.mark.parametrize(
+    ("expected", "apart", "is_settled"), [(0.97, 0.3, False), (0.97, 4.0, True), (0.9, 4.0, False)]
+)
+def test_only_what_a_test_measures_settles_a_matter(expected, apart, is_settled):
+    """Of two that predict the same one may be as probable beforehand."""
+    test = steady(bench_of(oscillator(), SIGMA), COSTS, 1.0, (10.0, 200.0), "level")
+    assert settles(Option(test, expected, apart, 1.0, test.seconds)) == is_settled
 
 
 def test_what_one_rival_can_do_as_well_is_said():

@@ -74,7 +74,7 @@ def test_hysteresis_loses_what_a_simulated_cycle_loses(exponent, ratio):
         return [rate, force * state[0] * v]
 
     period = 2.0 * pi / OMEGA
-    step = period / 2000
+    step = period / 200
     cycles = 6 if ratio > 0.2 else 60  # a loop so small takes long to close
     state = solve_ivp(motion, (0.0, cycles * period), [0.0, 0.0], max_step=step, rtol=1e-8, atol=1e-10).y[:, -1]
     after = solve_ivp(motion, (0.0, period), [state[0], 0.0], max_step=step, rtol=1e-8, atol=1e-10).y[1, -1]
