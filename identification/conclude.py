@@ -145,7 +145,7 @@ def concluded(
     return Diagnosis(
         verdict=verdict,
         added=added_effects(polished, rounds, among),
-        candidates=candidates_of(first, chances, session.fitting, among, calibrated.hypothesis),
+        candidates=candidates_of(first, chances, session.fitting, among.first, calibrated.hypothesis),
         indistinguishable=groups if verdict == "missing_effect" else (),
         stages=tuple(stages),
         holdout=kept.scores,

@@ -62,6 +62,21 @@ def judged(diagnosis: Json, kind: str, truth: Sequence[Json], sleeves: Mapping[s
     }
 
 
+def are_there(
+    found: Sequence[Json], truth: Sequence[Json], sleeves: Mapping[str, float], length: float
+) -> tuple[bool, ...]:
+    """Whether each effect that was added is hidden in the rig; a true one counts once.
+
+    Args:
+        found: effects of ``diagnosis.json``.
+        truth: kind and place of each hidden effect.
+        sleeves: position of each sleeve, m from the clamp.
+        length: of the beam, m.
+    """
+    there = [effect for effect, _ in _Beam(sleeves, length).pairs(found, truth)]
+    return tuple(any(effect is each for each in there) for effect in found)
+
+
 def numbers(found: Json, truth: Json) -> list[Json]:
     """Value, standard deviation and truth of every single number of an effect that was fitted.
 

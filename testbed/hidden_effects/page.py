@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from identification.outcome import UNTRIED, UNTRIED_BEYOND, UNTRIED_MISSED
+from identification.outcome import UNTRIED, UNTRIED_BEYOND, UNTRIED_LATER, UNTRIED_LATER_BEYOND, UNTRIED_MISSED
 from identification.reached import NOISE_REACHED
 from testbed.hidden_effects.bars import ENOUGH, ENOUGH_NOTHING, interval_of, threads_of
 from testbed.hidden_effects.judge import LARGEST_GROUP, NEAR
@@ -17,16 +17,18 @@ Each case is another rig, its toleranced numbers off by up to two tolerances, mo
 in turn, never by the modal model that is diagnosed; cracks, damage, axial load, a loss factor and a drifting stiffness
 by finite elements alone, since the others refuse them. Hidden is nothing, one effect, two, or a law outside the
 library; drawn is a calibrated error of {FEW:g} to {MOST:g} times the noise, below {MANY:g} in a third of the cases, by
-the modal model; the engine and the diagnosis's own calibration make it less or more, from 0.8 to 58 times in the first
-447 reported cases, where 2 % are below {FEW:g} and 4 % above {MOST:g}. The sets of cases have other seeds and
-generators (`testbed/hidden_effects/sets.py`). Two swapped sensors, which have no size to draw, are never hidden.
+the modal model; the engine and the diagnosis's own calibration make it less or more. The sets of cases have other
+seeds and generators (`testbed/hidden_effects/sets.py`). Two swapped sensors, which have no size to draw, are never
+hidden, nor is a sensor that is dead or upside down.
 
 *Right*: the verdict, and the effect added first has the true kind at the true sleeve or within {NEAR:.0%} of the
 length; of two, both were found; with nothing hidden `complete`, outside the library `unexplained`. *In a group*:
 right, or a stated group of at most {LARGEST_GROUP} holds both it and the true one. A case that failed is not right.
 *After*: error of the updated model on the record held out over what a perfect model leaves there, from the very noise
-that was added; the bars are over all cases whose truth the library holds. *Chaotic*: a motion that changes, relatively,
-more than {MOST_GROWTH:g} times as much as Young's modulus or {MOST_AMPLIFICATION:g} times as much as the force.
+that was added; the bars are over all cases whose truth the library holds. The diagnosis is given that record as one
+that is kept aside: no number is fitted to it, but an effect that does not hold there is not named. *Chaotic*: a motion
+that changes, relatively, more than {MOST_GROWTH:g} times as much as Young's modulus or {MOST_AMPLIFICATION:g} times as
+much as the force.
 """
 
 BATCHES = """\
@@ -49,14 +51,19 @@ The first batches were judged by a diagnosis that has been mended since. So the 
 whole batches alone that hold {ENOUGH} cases, {ENOUGH_NOTHING} of them with nothing hidden.
 """
 
-BELIEVED = f"""\
+BELIEVED = """\
 Of every case in which an effect was named, whatever was hidden: the probability of the first one, and whether it is
 there, as the diagnosis of its batch said it. A bin of few cases tests little. Where the interval lies below what was
-believed, the diagnosis was too sure of itself, as it was in the first batches: since then a share of every probability
-is kept for what was not judged, and the batches since then are told apart from those before. Up to seed {TAUGHT_UNTIL}
-and in the next it was {UNTRIED:.0%} of all; since then it is {UNTRIED_BEYOND:.0%} where the model that stands leaves
-more than {NOISE_REACHED:g} times the noise, and {UNTRIED_MISSED:.0%} where what was learnt does not hold on the record
-held out.
+believed, the diagnosis was too sure of itself.
+"""
+
+BELIEVED_OF_REPORTED = f"""\
+It was so in the first batches: since then a share of every probability is kept for what was not judged, and the batches
+since then are told apart from those before. Up to seed {TAUGHT_UNTIL} and in the next it was {UNTRIED:.0%} of all;
+since then it is {UNTRIED_BEYOND:.0%} where the model that stands leaves more than {NOISE_REACHED:g} times the noise,
+and {UNTRIED_MISSED:.0%} where what was learnt does not hold on the record held out. Of an effect that was added beside
+another no more was kept, which the last table shows to be too little; the diagnosis of today keeps {UNTRIED_LATER:.0%}
+of it, and {UNTRIED_LATER_BEYOND:.0%} where more than the noise is left.
 """
 
 FARTHEST = f"""\
@@ -102,6 +109,9 @@ def page_of(summary: Json, explained: Mapping[str, str], command: str) -> str:
         "",
         *_bars(summary["bars"]),
         "",
+        *_alike(summary["laws_alike"]),
+        *_shown(summary["shown"]),
+        "",
         "## Batches",
         "",
         BATCHES,
@@ -123,10 +133,10 @@ def page_of(summary: Json, explained: Mapping[str, str], command: str) -> str:
         if _is_drawn(summary, name):
             lines += ["", f"## {title}", "", f"![{title}](figures/{name}.png)"]
         if name == "calibration" and _is_drawn(summary, name):
-            lines += ["", BELIEVED]
+            lines += ["", BELIEVED, *([BELIEVED_OF_REPORTED] if summary["set"] == REPORTED.name else [])]
             for heading, rows in beliefs_of(summary).items():
                 lines += [f"{heading[0].upper()}{heading[1:]}:", "", *_beliefs(rows), ""] if rows else []
-            lines += _by_what_is_left(summary["by_what_is_left"])
+            lines += [*_by_what_is_left(summary["by_what_is_left"]), "", *_added_later(summary["added_later"])]
         if name == "detection" and _is_drawn(summary, name):
             lines += ["", DETECTED, *_by_size(summary["detection"])]
     lines += ["", "## Numbers", "", *_numbers(summary["numbers"]), *_of_rigs(summary["rig_numbers"])]
@@ -141,7 +151,33 @@ def _newest(summary: Json) -> list[str]:
     if len(summary["batches"]) == 1:
         return []
     told = f"Seeds {', '.join(str(seed) for seed in summary['newest']['seeds'])}:"
-    return ["## The newest batches", "", NEWEST, told, "", *_bars(summary["newest"]["bars"]), ""]
+    newest = summary["newest"]
+    return [
+        "## The newest batches",
+        "",
+        NEWEST,
+        told,
+        "",
+        *_bars(newest["bars"]),
+        "",
+        *_alike(newest["laws_alike"]),
+        "",
+    ]
+
+
+def _alike(laws: Json) -> Iterator[str]:
+    """What the mix of laws outside the library does to its bar."""
+    if laws["laws"]:
+        yield f"Each of the {laws['laws']} laws outside the library counted alike, {laws['share']:.1%} are"
+        yield "`unexplained`: every batch begins with the same law, so that the first ones are drawn more often."
+
+
+def _shown(sizes: Json) -> Iterator[str]:
+    """How large the calibrated errors have come out."""
+    if sizes["span"]:
+        low, high = sizes["span"]
+        yield f"Calibrated errors, as diagnosed, are {low:.2g} to {high:.3g} times the noise: {sizes['few']} of the"
+        yield f"{sizes['cases']} cases with something hidden lie below {FEW:g}, {sizes['most']} above {MOST:g}."
 
 
 def _heads(columns: Sequence[str]) -> tuple[str, str]:
@@ -207,6 +243,18 @@ def _by_what_is_left(rows: list[Json]) -> Iterator[str]:
         yield f"| {batches} | {left} {NOISE_REACHED:g} times the noise | {row['right']} | {row['cases']} |"
 
 
+def _added_later(rows: list[Json]) -> Iterator[str]:
+    """How often an effect that was added beside another is there."""
+    yield "Of effects that were added beside another, in batches that keep a share:"
+    yield ""
+    yield from _heads(("left", "believed, mean", "there", "of", "95 % interval of the share there"))
+    for row in rows:
+        left = f"{'at most' if row['met'] else 'more than'} {NOISE_REACHED:g} times the noise"
+        believed = "" if row["believed"] is None else f"{row['believed']:.3f}"
+        interval = "{:.2f} to {:.2f}".format(*interval_of(row["right"], row["cases"])) if row["cases"] else ""
+        yield f"| {left} | {believed} | {row['right']} | {row['cases']} | {interval} |"
+
+
 def _rows(summary: Json) -> Iterator[str]:
     groups = [name for name, row in summary.items() if isinstance(row, dict) and "right_share" in row]
     yield from (_row(name, summary[name]) for name in groups if summary[name]["cases"])
@@ -237,7 +285,8 @@ def _counts(summary: Json) -> Iterator[str]:
         yield f"in {place['near']}; the interval held it in {place['inside']}."
     since = summary["located_since"]
     if since["told"]:
-        yield f"From seed {LOCATED_ANEW} on the interval holds all places that explain as much: there a place was"
+        when = f"From seed {LOCATED_ANEW} on" if summary["set"] == REPORTED.name else "In these"
+        yield f"{when} the interval holds all places that explain as much: there a place was"
         yield f"told in {since['told']} of {since['cases']} cases, that near in {since['near']} of them, and the"
         yield f"interval held it in {since['inside']}."
     told = {name: row for name, row in summary["contradicted"].items() if row["cases"]}

@@ -8,10 +8,10 @@ import numpy as np
 
 from identification.reached import NOISE_REACHED
 from testbed.hidden_effects.bars import bars_of
-from testbed.hidden_effects.judge import NEAR, position_of
+from testbed.hidden_effects.judge import NEAR, are_there, position_of
 from testbed.hidden_effects.newest import newest_of
 from testbed.hidden_effects.plan import NOTHING, OUTSIDE, TWO
-from testbed.hidden_effects.sets import FEW, MANY, SETS, Span
+from testbed.hidden_effects.sets import FEW, MANY, MOST, SETS, Span
 from testbed.outputs import Json
 
 STAGES = ("before", "calibrated", "after")
@@ -47,7 +47,11 @@ def summary_of(cases: Sequence[Json], case_set: str) -> Json:
         "set": case_set,
         "bars": bars,
         "missed": [bar["name"] for bar in bars if bar["met"] is False],
-        "newest": {"seeds": sorted({case["seed"] for case in newest}), "bars": bars_of(reached_over(newest))},
+        "newest": {
+            "seeds": sorted({case["seed"] for case in newest}),
+            "bars": bars_of(reached_over(newest)),
+            "laws_alike": laws_alike(newest),
+        },
         "failed": [{"case": case["case"], "failure": case["failure"]} for case in cases if "judged" not in case],
         **reached,
         f"one effect below {MANY:g} times the noise": row_of([c for c in hidden_one if _ratio(c) < MANY]),
@@ -66,6 +70,8 @@ def summary_of(cases: Sequence[Json], case_set: str) -> Json:
         "calibration": calibration([c for c in named if SETS[case_set].batches[c["seed"]].keeps]),
         "calibration_before": calibration([c for c in named if not SETS[case_set].batches[c["seed"]].keeps]),
         "by_what_is_left": by_what_is_left(named),
+        "added_later": added_later([c for c in named if SETS[case_set].batches[c["seed"]].keeps]),
+        "shown": shown([case for case in done if case["hidden"]]),
         "located": located([case for case in done if len(case["hidden"]) == 1]),
         "located_since": located([c for c in done if len(c["hidden"]) == 1 and c["seed"] >= LOCATED_ANEW]),
         "contradicted": {name: contradicted(group) for name, group in groups.items()},
@@ -86,9 +92,37 @@ def reached_over(cases: Sequence[Json]) -> Json:
     return {
         "cases": len(cases),
         **{name: row_of(group) for name, group in _by_class(cases).items()},
+        "laws_alike": laws_alike(cases),
         "numbers": numbers(done),
         "held_out": held_out([c for c in done if class_of(c) != CLASSES[OUTSIDE]]),
         "seconds": seconds(done),
+    }
+
+
+def laws_alike(cases: Sequence[Json]) -> Json:
+    """Share of the laws outside the library that are called ``unexplained``, each law counted alike.
+
+    Every batch begins with the same law, so that short ones hold more of the first laws than of the last.
+
+    Args:
+        cases: of any class.
+    """
+    rows = [row_of(group) for group in _by_law([case for case in cases if class_of(case) == CLASSES[OUTSIDE]]).values()]
+    return {"laws": len(rows), "share": float(np.mean([row["right_share"] for row in rows])) if rows else None}
+
+
+def shown(cases: Sequence[Json]) -> Json:
+    """How large the calibrated errors have come out.
+
+    Args:
+        cases: done, with something hidden.
+    """
+    ratios = [_ratio(case) for case in cases]
+    return {
+        "cases": len(ratios),
+        "span": [min(ratios), max(ratios)] if ratios else None,
+        "few": sum(ratio < FEW for ratio in ratios),
+        "most": sum(ratio > MOST for ratio in ratios),
     }
 
 
@@ -187,6 +221,39 @@ def calibration(cases: Sequence[Json]) -> list[Json]:
     return rows
 
 
+def added_later(cases: Sequence[Json]) -> list[Json]:
+    """How often an effect that was added beside another is there, and how much was believed, by what is left.
+
+    Args:
+        cases: in which an effect was named.
+    """
+    rows = []
+    for met in (True, False):
+        some = [case for case in cases if _reaches(case) == met]
+        later = [row for case in some for row in list(zip(_chances(case), _there(case), strict=True))[1:]]
+        believed = float(np.mean([chance for chance, _ in later])) if later else None
+        rows.append(
+            {"met": met, "believed": believed, "right": sum(is_there for _, is_there in later), "cases": len(later)}
+        )
+    return rows
+
+
+def _chances(case: Json) -> list[float]:
+    return [effect["probability"] for effect in case["diagnosis"]["effects"]]
+
+
+def _there(case: Json) -> tuple[bool, ...]:
+    structure, sleeves = case["rig"]["structure"], {s["name"]: s["position"] for s in case["rig"]["sleeves"]}
+    in_library = class_of(case) != CLASSES[OUTSIDE]
+    return are_there(case["diagnosis"]["effects"], case["hidden"] if in_library else (), sleeves, structure["length"])
+
+
+def _reaches(case: Json) -> bool | None:
+    """Whether the model that stands reaches the noise; None where its noise was not told."""
+    final = _final(case)
+    return final["nrmse"] <= NOISE_REACHED * final["noise_nrmse"] if "noise_nrmse" in final else None
+
+
 TAUGHT_UNTIL = 20731
 """Seed of the last of the batches from which the shares were taken that are kept by what a model leaves."""
 
@@ -199,9 +266,9 @@ def by_what_is_left(cases: Sequence[Json]) -> list[Json]:
     """
     rows = []
     for taught in (True, False):
-        some = [c for c in cases if (c["seed"] <= TAUGHT_UNTIL) == taught and "noise_nrmse" in _final(c)]
+        some = [c for c in cases if (c["seed"] <= TAUGHT_UNTIL) == taught]
         for met in (True, False):
-            alike = [c for c in some if (_final(c)["nrmse"] <= NOISE_REACHED * _final(c)["noise_nrmse"]) == met]
+            alike = [c for c in some if _reaches(c) == met]
             right = sum(first_is_there(c) for c in alike)
             rows.append({"taught": taught, "met": met, "right": right, "cases": len(alike)})
     return rows

@@ -17,7 +17,10 @@ from identification.outcome import (
     PLACE_KNOWN_TO,
     UNTRIED,
     UNTRIED_BEYOND,
+    UNTRIED_LATER,
+    UNTRIED_LATER_BEYOND,
     UNTRIED_MISSED,
+    Tried,
     added_effects,
     candidates_of,
     distinct,
@@ -126,10 +129,10 @@ def test_each_of_two_effects_has_its_own_numbers():
 def test_an_added_effect_has_the_probability_of_its_own_round():
     rounds = [[ranked(GAIN, 0.0), ranked(MASS, -np.log(3.0))], [ranked(MASS, 0.0)]]
 
-    first, second = added_effects(effect_fit(GAIN, MASS), rounds, 0.97)
+    first, second = added_effects(effect_fit(GAIN, MASS), rounds, Tried(0.97, 0.9))
 
     assert (first.effect, first.probability) == (GAIN, pytest.approx(0.97 * 0.75))
-    assert (second.effect, second.probability) == (MASS, pytest.approx(0.97))  # the rest is for what was not judged
+    assert (second.effect, second.probability) == (MASS, pytest.approx(0.9))  # the rest is for what was not judged
 
 
 def test_candidates_stand_beside_the_best_with_errors_of_the_records():
@@ -198,7 +201,8 @@ def test_less_is_believed_where_more_than_the_noise_is_left():
     off = moved(REFERENCE, 1.0, *[0.0] * (len(REFERENCE.parameters()) - 1))
     met, beyond = score(evaluator, Hypothesis(REFERENCE)), score(evaluator, off)
 
-    assert tried(met) == 1.0 - UNTRIED
+    assert tried(met) == Tried(1.0 - UNTRIED, 1.0 - UNTRIED_LATER)
     assert beyond.nrmse > 1.2 * beyond.noise_nrmse
-    assert tried(beyond) == 1.0 - UNTRIED_BEYOND
-    assert tried(met, holds=False) == 1.0 - UNTRIED_MISSED
+    assert tried(beyond) == Tried(1.0 - UNTRIED_BEYOND, 1.0 - UNTRIED_LATER_BEYOND)
+    assert tried(met, holds=False) == Tried(1.0 - UNTRIED_MISSED, 1.0 - UNTRIED_MISSED)
+    assert 0.0 < UNTRIED < UNTRIED_LATER < UNTRIED_LATER_BEYOND  # what stands beside another is less sure

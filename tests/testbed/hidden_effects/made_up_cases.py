@@ -62,7 +62,7 @@ def made_up(
         "seconds": {"draw": 30.0, "diagnosis": 25.0 + number, "threads": 2},
         "rig": {"structure": {"length": 1.0}, "sleeves": [{"name": "sleeve 1", "position": 0.31}]},
         "diagnosis": {
-            "effects": [{"kind": name, "position": 0.5}] if verdict == "missing_effect" else [],
+            "effects": [{"kind": name, "position": 0.5, "probability": 0.97}] if verdict == "missing_effect" else [],
             "error": [{"model": "last", "nrmse": 0.007 * left, "noise_nrmse": 0.007}],
             "where": {} if place is None else {"place": {"position": place, "interval": [place - 0.02, place + 0.02]}},
         },

@@ -217,6 +217,49 @@ def test_what_is_left_is_held_against_what_is_there_by_batch():
     assert counts == {(True, True): (3, 4), (True, False): (0, 0), (False, True): (0, 0), (False, False): (1, 1)}
 
 
+def test_an_effect_that_was_added_beside_another_is_believed_and_there_or_not():
+    hidden = [{"kind": "point_mass", "position": 0.5}, {"kind": "sensor_gain", "sensor": "P1"}]
+    both, one = (made_up("two", n, seed=LATER, hidden=hidden, right=n == 0, named="point_mass") for n in range(2))
+    first = {"kind": "point_mass", "position": 0.52, "probability": 0.97}
+    for case, sensor in ((both, "P1"), (one, "P2")):
+        case["judged"]["verdict"] = "missing_effect"
+        case["diagnosis"]["effects"] = [first, {"kind": "sensor_gain", "sensor": sensor, "probability": 0.9}]
+
+    met, beyond = summary_of([both, one, made_up("nothing", 0)], "reported")["added_later"]
+
+    assert met == {"met": True, "believed": pytest.approx(0.9), "right": 1, "cases": 2}
+    assert beyond == {"met": False, "believed": None, "right": 0, "cases": 0}
+
+
+def test_of_a_law_outside_the_library_nothing_that_was_added_is_there():
+    case = made_up("outside", 0, seed=LATER, right=False)
+    name = {"kind": "one_sided_stop", "position": 0.5, "probability": 0.97}
+    case["diagnosis"]["effects"] = [name, name]
+
+    met, _ = summary_of([case], "reported")["added_later"]
+
+    assert (met["right"], met["cases"]) == (0, 1)
+
+
+def test_laws_outside_the_library_count_alike_however_often_they_are_drawn():
+    def law(kind, number, *, right):
+        return made_up("outside", number, right=right, hidden=[{"kind": kind, "position": 0.5}])
+
+    cases = [law("one_sided_stop", n, right=True) for n in range(3)] + [law("relaxing_spring", 9, right=False)]
+    summary = summary_of(cases, "reported")
+
+    assert summary["laws_alike"] == {"laws": 2, "share": 0.5}
+    assert "Each of the 2 laws outside the library counted alike, 50.0% are" in page_of(summary, {}, "testbed")
+
+
+def test_the_page_says_how_large_errors_have_come_out():
+    cases = [made_up("point_mass", n, ratio=ratio) for n, ratio in enumerate((1.5, 8.0, 40.0))]
+    summary = summary_of([*cases, made_up("nothing", 0, ratio=1.0)], "reported")
+
+    assert summary["shown"] == {"cases": 3, "span": [1.5, 40.0], "few": 1, "most": 1}
+    assert "are 1.5 to 40 times the noise: 1 of the" in page_of(summary, {}, "testbed")
+
+
 def test_a_located_force_is_near_and_inside_or_elsewhere():
     cases = [made_up("point_mass", n, place=place) for n, place in enumerate((0.51, 0.54, 0.8))]
     cases.append(made_up("point_mass", 3))
