@@ -1,5 +1,6 @@
 """Once round the loop on rigs whose truth is known: nothing, a wrong sensor, a hardening spring, and the unknown."""
 
+from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
@@ -16,6 +17,7 @@ from models.effects.mains_hum import MainsHum
 from models.effects.sensor_delay import SensorDelay
 from models.effects.sensor_gain import SensorGain
 from models.effects.sensor_position import SensorPosition
+from models.effects.sensor_swap import SensorSwap
 from models.effects.squeeze_film import SqueezeFilm
 from models.errors import DivergenceError
 
@@ -73,6 +75,33 @@ def test_a_fault_of_the_measurement_is_named_with_its_size(fault):
     assert abs(estimate.value - true) < max(4.0 * estimate.std, 0.005 * abs(true)), about
     assert added.probability > 0.9
     assert found.candidates[0].effect.kind == fault.kind
+
+
+@pytest.mark.slow
+def test_two_sensors_that_were_exchanged_are_named():
+    swap = SensorSwap(Place(sensor="P3", other="P5"))
+
+    found = learnt_from(
+        Hypothesis(REFERENCE, BUILT.values, effects=(swap,)), REFERENCE, rms=2.0, n=2048, registry=MEASUREMENT
+    )
+
+    assert [added.effect for added in found.added] == [swap]
+    assert found.final.score.nrmse < 1.05 * found.final.score.noise_nrmse
+
+
+@pytest.mark.slow
+def test_a_sensor_that_hears_nothing_but_itself_is_named():
+    record, _ = measured(BUILT, multisine(2048, rms=2.0, low=10.0), name="multisine")
+    heard = record.responses.copy()
+    k = record.sensors.index("P4")
+    heard[k] = 1e-3 * heard[k].std() * np.random.default_rng(0).standard_normal(heard.shape[1])
+
+    found = diagnose(REFERENCE, [replace(record, responses=heard)], registry=MEASUREMENT, jobs=1)
+
+    (added,) = found.added
+    assert (added.effect.kind, added.effect.place) == ("sensor_gain", P4)
+    assert abs(added.effect.gain) < 1e-3
+    assert any("P4 contradicts the other channels" in decision for decision in found.decisions)
 
 
 @pytest.mark.slow
