@@ -215,7 +215,7 @@ def page_of(study: ArticleStudy, content: Json, command: str) -> str:
         TRUTH,
         "## Three models",
         "",
-        MODELS_ARE.format(told=study.extent.search.in_words),
+        MODELS_ARE.format(told="nothing else" if study.extent.most_effects else "to calibrate alone"),
         "![Identified damping of the sleeves](figures/damping.png)",
         "",
         *_found(study),

@@ -31,7 +31,7 @@ def run_article(out: Path, *, command: Sequence[str], progress: Progress, jobs: 
         command: as typed, for the page.
         progress: told what is being done.
         jobs: processes and threads.
-        quick: at one clearance alone, with a diagnosis that looks for little.
+        quick: at one clearance alone, with a diagnosis that calibrates alone.
 
     Returns:
         the content of ``article.json``.

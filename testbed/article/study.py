@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from identification.diagnose import MOST_EFFECTS
 from identification.progress import Progress
 from testbed.article.campaign import Order, campaign
 from testbed.article.compared import Compared, compared
@@ -15,7 +16,7 @@ from testbed.article.sines_run import all_sines
 from testbed.article.slews_run import all_slews
 from testbed.article.strikes import Strikes, strikes
 from testbed.article.tables import JUDGE
-from testbed.article.three_models import KEPT, Search, ThreeModels, three_models
+from testbed.article.three_models import KEPT, ThreeModels, three_models
 from testbed.article.uncertain import SAMPLES
 from testbed.outputs import Json
 
@@ -29,24 +30,24 @@ class Extent:
     Attributes:
         clearances: m.
         judges: engines that carry out the table test; the force test is by the first.
-        search: what the diagnosis may look for.
+        most_effects: that the diagnosis may add.
         samples: of every condition of the probabilistic study.
     """
 
     clearances: tuple[float, ...]
     judges: tuple[str, ...]
-    search: Search
+    most_effects: int
     samples: int
 
 
 def whole_extent() -> Extent:
     """All of it."""
-    return Extent(tuple(test.clearance for test in published()), (JUDGE, "exudyn"), Search(), SAMPLES)
+    return Extent(tuple(test.clearance for test in published()), (JUDGE, "exudyn"), MOST_EFFECTS, SAMPLES)
 
 
 def quick_extent() -> Extent:
-    """At the clearance of calibration, by one engine, and with a diagnosis that looks for grease alone."""
-    return Extent((CALIBRATED_AT,), (JUDGE,), Search(1, ("squeeze_film",)), SAMPLES // 10)
+    """At the clearance of calibration, by one engine, and with a diagnosis that calibrates alone."""
+    return Extent((CALIBRATED_AT,), (JUDGE,), 0, SAMPLES // 10)
 
 
 @dataclass(frozen=True)
@@ -131,7 +132,7 @@ def article_study(out: Path, progress: Progress, extent: Extent, jobs: int) -> A
             geometry.rig(clearance, "force"),
             tests[forced[clearance]],
             found,
-            extent.search,
+            extent.most_effects,
             out / KEPT / f"{1e3 * clearance:g}-mm",
             jobs,
             progress,

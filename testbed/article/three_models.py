@@ -10,11 +10,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from identification.assess import fit_effects
-from identification.diagnose import MOST_EFFECTS, diagnose
+from identification.diagnose import diagnose
 from identification.hypothesis import Hypothesis
 from identification.progress import Progress
 from models.arrays import FloatArray
-from models.effects import EFFECTS, Registry, build_effect, entry_of
+from models.effects import EFFECTS, build_effect, entry_of
 from models.record import Record
 from models.rig import EffectEntry, Rig
 from models.rig_file import write_rig
@@ -31,33 +31,6 @@ MODELS = (INITIAL, UPDATED, DIAGNOSED)
 
 SEED = 0
 """Of the diagnosis."""
-
-
-@dataclass(frozen=True)
-class Search:
-    """What the diagnosis may look for.
-
-    Attributes:
-        most_effects: that it may add; the same in all sleeves counts once.
-        kinds: of the library; all where there are none.
-    """
-
-    most_effects: int = MOST_EFFECTS
-    kinds: tuple[str, ...] = ()
-
-    @property
-    def in_words(self) -> str:
-        """What the loop is told."""
-        return f"to look for {' and '.join(self.kinds)} alone" if self.kinds else "nothing else"
-
-    def registry(self, rig: Rig) -> Registry:
-        """The kinds, with those that the rig has.
-
-        Args:
-            rig: whose own effects are of the library too.
-        """
-        wanted = {*self.kinds, *(entry.kind for entry in rig.effects)}
-        return {kind: cls for kind, cls in EFFECTS.items() if not self.kinds or kind in wanted}
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +65,7 @@ def three_models(
     rig: Rig,
     test: BenchTest,
     found: tuple[EffectEntry, ...] | None,
-    search: Search,
+    most_effects: int,
     folder: Path,
     jobs: int,
     progress: Progress,
@@ -103,7 +76,7 @@ def three_models(
         rig: as its owner describes it, with the force test's excitation.
         test: the force test.
         found: what the diagnosis at another clearance added; None where it is to be made here.
-        search: what the diagnosis may look for.
+        most_effects: that the diagnosis may add; the same in all sleeves counts once.
         folder: where the models of this clearance are kept.
         jobs: threads.
         progress: told what is being done.
@@ -118,8 +91,8 @@ def three_models(
     better = found_now.rig.model_copy(update={"effects": effects})
     content = kept(
         folder / "diagnosis.json",
-        digest_of(rig, found, search, SEED, *_signals(test)),
-        lambda: _diagnosed(rig, test, found, search, jobs, progress),
+        digest_of(rig, found, most_effects, SEED, *_signals(test)),
+        lambda: _diagnosed(rig, test, found, most_effects, jobs, progress),
     )
     rigs = {INITIAL: rig, UPDATED: better, DIAGNOSED: Rig.model_validate(content["rig"])}
     for name, model in rigs.items():
@@ -139,7 +112,7 @@ def _diagnosed(
     rig: Rig,
     test: BenchTest,
     found: tuple[EffectEntry, ...] | None,
-    search: Search,
+    most_effects: int,
     jobs: int,
     progress: Progress,
 ) -> Json:
@@ -151,8 +124,7 @@ def _diagnosed(
             records,
             seed=SEED,
             jobs=jobs,
-            registry=search.registry(rig),
-            most_effects=search.most_effects,
+            most_effects=most_effects,
             alike=True,
             progress=progress,
         )
