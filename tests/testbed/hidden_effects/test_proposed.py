@@ -177,6 +177,15 @@ def test_the_newest_batch_is_taken_first(tmp_path):
     assert [task.seed for task in with_a_group(tmp_path)] == [seeds[-1], seeds[-2], seeds[0], 1]
 
 
+def test_those_whose_test_was_to_part_them_come_before_all_others(tmp_path):
+    for number, separation in enumerate((0.2, 4.0, None)):
+        case = with_group(number, [GROUP])
+        if separation is not None:
+            case["diagnosis"]["next_experiment"] = {"separation": separation}
+        keep_json(tmp_path / "cases" / f"{case['case']}.json", case)
+    assert [task.number for task in with_a_group(tmp_path)] == [1, 0, 2]
+
+
 def test_a_folder_without_groups_is_refused(tmp_path, capsys):
     with pytest.raises(InputError, match=r"0 finished cases, none with a stated group; a folder of .*; name the"):
         with_a_group(tmp_path)
