@@ -323,7 +323,7 @@ REPORTED = CaseSet(
             run="Ended when a second search, in pieces of the records, had come to the diagnosis: the next seed "
             "judges that.",
         ),
-        34403: Batch("113b1b4"),
+        34403: Batch("2e4a9e5"),
     },
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),
