@@ -118,7 +118,8 @@ def added_effects(result: Fit, rounds: Sequence[Sequence[Ranked]], among: Tried)
     rows: list[AddedEffect] = []
     for index, effect in enumerate(result.hypothesis.effects):
         ranked = rounds[index]
-        chance = probabilities([r.log_evidence for r in ranked])[0] * (among.later if index else among.first)
+        is_later = ranked[0].fit is not rounds[0][0].fit  # parts of one effect have the round of that
+        chance = probabilities([r.log_evidence for r in ranked])[0] * (among.later if is_later else among.first)
         rows.append(AddedEffect(effect, chance, effect_estimates(result, index)))
     return tuple(rows)
 

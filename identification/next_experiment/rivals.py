@@ -8,8 +8,8 @@ import numpy as np
 from identification.evaluate import Evaluator
 from identification.evidence import Ranked, misfit_in_common
 from identification.fit import NOT_TOLD, Fit, prior_of
-from identification.hypothesis import Hypothesis, Unknown, at_coordinates, coordinates
-from identification.in_its_place import refit, without_last
+from identification.hypothesis import Hypothesis, Unknown, at_coordinates, coordinates, effect_unknowns
+from identification.in_its_place import refit
 from identification.outcome import undecided
 from identification.progress import Progress
 from models.arrays import FloatArray
@@ -51,35 +51,31 @@ class Rival:
 def all_refitted(
     fitting: Evaluator, ranked: Sequence[Ranked], chances: Sequence[float], progress: Progress
 ) -> tuple[Ranked, ...]:
-    """The rows of a round, those in doubt refitted beside the first one's other effects if only a sketch of them is.
+    """The rows of a round, the most probable of those in doubt refitted beside the first one's other effects.
+
+    What was refitted before stays as it is, and so does a sketch whose refit leaves the finite numbers.
 
     Args:
         fitting: records to refit on.
-        ranked: of the round, sorted.
+        ranked: of the round, the best first.
         chances: probabilities of its rows.
         progress: told what is being done.
     """
-    doubtful = [row for row, _ in _in_doubt(ranked, chances)]
-    if len(doubtful) < 2:
+    doubtful = sorted(undecided(ranked, chances), key=lambda pair: -pair[1])[:MOST_RIVALS]
+    sketched = [row for row, _ in doubtful if not row.refitted]
+    if len(doubtful) < 2 or not sketched:
         return tuple(ranked)
-    first, rows = ranked[0].fit, []
-    last = len(first.hypothesis.effects) - 1
-    shared = tuple(unknown for unknown in first.unknowns if getattr(unknown, "effect", None) != last)
-    for row in ranked:
-        found = None
-        if row in doubtful and not row.refitted:
-            progress(f"refitting {row.effect.label()}, which cannot be excluded, with all numbers on {fitting.extent}")
-            begun = without_last(first.hypothesis).with_effects(row.effect)
-            found = refit(fitting, replace(first, unknowns=shared), begun)
-        rows.append(
-            row if found is None else replace(row, effect=found.hypothesis.effects[-1], fit=found, refitted=True)
-        )
+    first = ranked[0].fit
+    others = first.hypothesis.without_effect(first.hypothesis.effects.index(ranked[0].effect))
+    of_the_rest = tuple(unknown for unknown in first.unknowns if getattr(unknown, "effect", -1) < 0)
+    base = replace(first, unknowns=(*of_the_rest, *effect_unknowns(others)))
+    rows = list(ranked)
+    for row in sketched:
+        progress(f"refitting {row.effect.label()}, which cannot be excluded, with all numbers on {fitting.extent}")
+        found = refit(fitting, base, others.with_effects(row.effect))
+        if found is not None:
+            rows[rows.index(row)] = replace(Ranked.of(found, sketch=row.sketch), log_evidence=row.log_evidence)
     return tuple(rows)
-
-
-def _in_doubt(ranked: Sequence[Ranked], chances: Sequence[float]) -> list[tuple[Ranked, float]]:
-    """What a test is chosen for of the rows that the records do not exclude, the most probable first."""
-    return sorted(undecided(ranked, chances), key=lambda pair: -pair[1])[:MOST_RIVALS]
 
 
 def rivals_of(ranked: Sequence[Ranked], chances: Sequence[float]) -> tuple[Rival, ...]:
@@ -90,7 +86,8 @@ def rivals_of(ranked: Sequence[Ranked], chances: Sequence[float]) -> tuple[Rival
         chances: probabilities of its rows.
     """
     scale = misfit_in_common(ranked)
-    return tuple(_rival(row, chance, scale) for row, chance in _in_doubt(ranked, chances) if row.refitted)
+    kept = sorted(((r, p) for r, p in undecided(ranked, chances) if r.refitted), key=lambda pair: -pair[1])
+    return tuple(_rival(row, chance, scale) for row, chance in kept[:MOST_RIVALS])
 
 
 def _rival(row: Ranked, chance: float, scale: float) -> Rival:

@@ -40,7 +40,8 @@ def summary_of(cases: Sequence[Json], case_set: str) -> Json:
     groups = _by_class(cases)
     done = [case for case in cases if "judged" in case]
     hidden_one = groups[ONE]
-    reached, newest = reached_over(cases), newest_of(cases, SETS[case_set].batches)
+    newest = newest_of(cases, SETS[case_set].batches)
+    reached, reached_newest = reached_over(cases), reached_over(newest)
     bars = bars_of(reached)
     named = [case for case in done if case["judged"]["verdict"] == "missing_effect"]
     return {
@@ -49,8 +50,8 @@ def summary_of(cases: Sequence[Json], case_set: str) -> Json:
         "missed": [bar["name"] for bar in bars if bar["met"] is False],
         "newest": {
             "seeds": sorted({case["seed"] for case in newest}),
-            "bars": bars_of(reached_over(newest)),
-            "laws_alike": laws_alike(newest),
+            "bars": bars_of(reached_newest),
+            "laws_alike": reached_newest["laws_alike"],
         },
         "failed": [{"case": case["case"], "failure": case["failure"]} for case in cases if "judged" not in case],
         **reached,
@@ -243,9 +244,8 @@ def _chances(case: Json) -> list[float]:
 
 
 def _there(case: Json) -> tuple[bool, ...]:
-    structure, sleeves = case["rig"]["structure"], {s["name"]: s["position"] for s in case["rig"]["sleeves"]}
-    in_library = class_of(case) != CLASSES[OUTSIDE]
-    return are_there(case["diagnosis"]["effects"], case["hidden"] if in_library else (), sleeves, structure["length"])
+    truth, length = case["hidden"] if class_of(case) != CLASSES[OUTSIDE] else (), case["rig"]["structure"]["length"]
+    return are_there(case["diagnosis"]["effects"], truth, _sleeves(case), length)
 
 
 def _reaches(case: Json) -> bool | None:
@@ -327,7 +327,12 @@ def rig_numbers(cases: Sequence[Json]) -> Json:
 def _true_place(case: Json) -> float | None:
     """Where the one effect acts, m from the clamp, if at one place."""
     (effect,) = case["hidden"]
-    return position_of(effect, {sleeve["name"]: sleeve["position"] for sleeve in case["rig"]["sleeves"]})
+    return position_of(effect, _sleeves(case))
+
+
+def _sleeves(case: Json) -> dict[str, float]:
+    """Position of each, m from the clamp."""
+    return {sleeve["name"]: sleeve["position"] for sleeve in case["rig"]["sleeves"]}
 
 
 def beliefs_of(summary: Json) -> dict[str, list[Json]]:

@@ -135,6 +135,14 @@ def test_an_added_effect_has_the_probability_of_its_own_round():
     assert (second.effect, second.probability) == (MASS, pytest.approx(0.9))  # the rest is for what was not judged
 
 
+def test_parts_of_one_effect_are_as_probable_as_it_is():
+    one = [ranked(GAIN, 0.0)]
+
+    first, second = added_effects(effect_fit(GAIN, MASS), [one, one], Tried(0.97, 0.9))
+
+    assert first.probability == second.probability == pytest.approx(0.97)
+
+
 def test_candidates_stand_beside_the_best_with_errors_of_the_records():
     record, noise = measured(Hypothesis(REFERENCE), multisine(512))
     evaluator = evaluator_of((record, noise))

@@ -104,7 +104,7 @@ def rising_session(truth, seconds, **noise):
     return session, fit(session.fitting, Hypothesis(OSCILLATOR), rig_unknowns(OSCILLATOR), precise=True)
 
 
-def beam_session(*effects, n=1024, rms=2.0):
+def beam_session(*effects, n=2048, rms=2.0):
     """A session on one short record of the reference rig with these effects."""
     evaluator = evaluator_of(measured(Hypothesis(REFERENCE, effects=effects), multisine(n, rms=rms)))
     return Session(evaluator, evaluator, [Horizon("test", 1.0, n / FS)], EFFECTS, lambda _: None, 0)

@@ -35,7 +35,7 @@ NOISE = 0.1
 
 def quiet_record():
     """So quiet that the friction slides as slowly as a dashpot."""
-    force, names = multisine(4096, rms=1.0, low=10.0), tuple(sensor.name for sensor in REFERENCE.sensors)
+    force, names = multisine(8192, rms=1.0, low=10.0), tuple(sensor.name for sensor in REFERENCE.sensors)
     silent = Record("quiet", FS, force, names, np.zeros((len(names), len(force))))
     clean = Hypothesis(REFERENCE, BUILT.values, effects=(FRICTION,)).simulated(silent, Settings()).channels
     return replace(silent, responses=clean + NOISE * np.random.default_rng(1).standard_normal(clean.shape))

@@ -7,7 +7,9 @@ import pytest
 from rival_scenes import SIGMA, bench_of, built, ranked_on
 
 from identification.evaluate import Evaluator
-from identification.hypothesis import Hypothesis
+from identification.evidence import Ranked
+from identification.fit import fit
+from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
 from identification.locating.located import Located
 from identification.next_experiment.advice import CHAOTIC, LOWER
 from identification.next_experiment.candidates import steady
@@ -15,7 +17,7 @@ from identification.next_experiment.choose import settles
 from identification.next_experiment.costs import COSTS, LIMITS
 from identification.next_experiment.proposal import Option
 from identification.next_experiment.propose import next_experiment, shortened
-from identification.next_experiment.rivals import all_refitted
+from identification.next_experiment.rivals import all_refitted, rivals_of
 from identification.next_experiment.words import why, words_of
 from identification.outcome import AT_REST_ONLY
 from identification.prepare import Horizon, horizons
@@ -23,6 +25,7 @@ from identification.result import ErrorMap, MissingForce
 from identification.session import Session
 from models.effects import EFFECTS, Place
 from models.effects.cubic_stiffness import CubicStiffness
+from models.effects.sensor_delay import SensorDelay
 from models.effects.sensor_gain import SensorGain
 from tests.identification.trial_records import REFERENCE, evaluator_of, measured, multisine, oscillator
 
@@ -151,22 +154,54 @@ def test_a_group_is_told_apart_by_a_weighed_test():
     assert told.present_probability < told.best.expected_probability
 
 
-def test_a_member_that_was_only_sketched_is_fitted_and_weighed():
+def sketched_beside(stands, *, at):
+    """An evaluator, a model that stands, its effect at this place first in its round, and a rival fitted badly."""
     rig = oscillator("displacement")
     cubic = CubicStiffness(Place(), stiffness=3.0 * rig.structure.stiffness / 1e-3**2)
-    gain = SensorGain(Place(sensor="top"), gain=1.0)
-    _, evaluator = oscillators_record(Hypothesis(rig, effects=(replace(gain, gain=1.1),)), rms=2.0)
-    first, second = ranked_on(evaluator, [Hypothesis(rig, effects=(effect,)) for effect in (gain, cubic)])
-    rows, said = [first, replace(second, refitted=False)], []
+    _, evaluator = oscillators_record(Hypothesis(rig, effects=stands), rms=2.0)
+    unknowns = (*rig_unknowns(rig), *effect_unknowns(Hypothesis(rig, effects=stands)))
+    first = Ranked.of(fit(evaluator, Hypothesis(rig, effects=stands), unknowns, precise=True), at)
+    (far,) = ranked_on(evaluator, [Hypothesis(rig, effects=(cubic,))])
+    begun = replace(far.fit, hypothesis=Hypothesis(rig, effects=(cubic,)), chi2=9.0 * far.fit.chi2)
+    return evaluator, [first, replace(far, effect=cubic, fit=begun, refitted=False)], far.fit.chi2
+
+
+GAIN = SensorGain(Place(sensor="top"), gain=1.1)
+
+
+def test_a_member_that_was_only_sketched_is_fitted_and_weighed():
+    evaluator, rows, least = sketched_beside((GAIN,), at=0)
+    said = []
 
     again = all_refitted(evaluator, rows, [0.6, 0.4], said.append)
-    told = next_experiment(session_of(evaluator), "missing_effect", [(rows, [0.6, 0.4])], first.fit.hypothesis)
+    told = next_experiment(session_of(evaluator), "missing_effect", [(rows, [0.6, 0.4])], rows[0].fit.hypothesis)
 
     assert [row.refitted for row in again] == [True, True]
-    assert again[1].fit.chi2 == pytest.approx(second.fit.chi2, rel=0.01)
+    assert again[1].fit.chi2 == pytest.approx(least, rel=0.01)
     assert len(said) == 1
     assert [effect.kind for effect in told.rivals] == ["sensor_gain", "cubic_stiffness"]
     assert all_refitted(evaluator, rows, [0.99, 0.01], said.append)[1] is rows[1]  # not in doubt
+
+
+def test_what_stood_beside_the_first_stands_beside_the_sketched_wherever_the_first_comes_in_order():
+    delay = SensorDelay(Place(sensor="top"), delay=3e-4)
+    evaluator, rows, _ = sketched_beside((GAIN, delay), at=0)
+
+    _, again = all_refitted(evaluator, rows, [0.6, 0.4], lambda _: None)
+
+    assert [effect.kind for effect in again.fit.hypothesis.effects] == ["sensor_delay", "cubic_stiffness"]
+    assert {unknown.effect for unknown in again.fit.unknowns if hasattr(unknown, "effect")} == {0, 1}
+
+
+def test_a_sketch_that_diverges_takes_no_others_place(monkeypatch):
+    evaluator, (first, sketch), _ = sketched_beside((GAIN,), at=0)
+    monkeypatch.setattr("identification.next_experiment.rivals.refit", lambda *_: None)
+    rows, chances = [first, sketch, replace(sketch), replace(first)], [0.4, 0.2, 0.2, 0.2]
+
+    again = all_refitted(evaluator, rows, chances, lambda _: None)
+
+    assert [row.refitted for row in again] == [True, False, False, True]
+    assert len(rivals_of(again, chances)) == 2
 
 
 @pytest.mark.parametrize(
