@@ -27,7 +27,8 @@ the five that did not hold on a record kept aside, in the two batches that told 
 UNTRIED_LATER, UNTRIED_LATER_BEYOND = 0.09, 0.5
 """The least of that for an effect that was added beside another, where the error reaches the noise and where more is
 left: what the first one leaves for want of a better place or law, a second one takes. Of such effects in the batches
-from 16963 to 33301 (results/hidden_effects) 3 of 38 and 4 of 5 were not there."""
+from 16963 to 33301 (results/hidden_effects) 3 of 38 and 4 of 5 were not there, the five in four cases of two batches:
+too few to take more than half by."""
 
 AT_REST_ONLY = "from one level of FRFs or mode shapes no nonlinearity can be seen"
 

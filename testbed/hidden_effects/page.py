@@ -26,7 +26,7 @@ length; of two, both were found; with nothing hidden `complete`, outside the lib
 right, or a stated group of at most {LARGEST_GROUP} holds both it and the true one. A case that failed is not right.
 *After*: error of the updated model on the record held out over what a perfect model leaves there, from the very noise
 that was added; the bars are over all cases whose truth the library holds. The diagnosis is given that record as one
-that is kept aside: no number is fitted to it, but an effect that does not hold there is not named. *Chaotic*: a motion
+that is kept aside: no number is fitted to it, but one that does not hold there may not be named. *Chaotic*: a motion
 that changes, relatively, more than {MOST_GROWTH:g} times as much as Young's modulus or {MOST_AMPLIFICATION:g} times as
 much as the force.
 """
@@ -62,8 +62,9 @@ It was so in the first batches: since then a share of every probability is kept 
 since then are told apart from those before. Up to seed {TAUGHT_UNTIL} and in the next it was {UNTRIED:.0%} of all;
 since then it is {UNTRIED_BEYOND:.0%} where the model that stands leaves more than {NOISE_REACHED:g} times the noise,
 and {UNTRIED_MISSED:.0%} where what was learnt does not hold on the record held out. Of an effect that was added beside
-another no more was kept, which the last table shows to be too little; the diagnosis of today keeps {UNTRIED_LATER:.0%}
-of it, and {UNTRIED_LATER_BEYOND:.0%} where more than the noise is left.
+another no more was kept. The last table agrees with that where the noise is reached, and not where it is not, by five
+effects of four cases. The diagnosis of today keeps {UNTRIED_LATER:.0%} and {UNTRIED_LATER_BEYOND:.0%} of such an
+effect.
 """
 
 FARTHEST = f"""\
