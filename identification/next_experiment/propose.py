@@ -19,7 +19,7 @@ from identification.next_experiment.bench import Bench
 from identification.next_experiment.choose import Question, options_of, settles
 from identification.next_experiment.odds import present_probability
 from identification.next_experiment.proposal import Proposal
-from identification.next_experiment.rivals import Rival, all_refitted, rivals_of
+from identification.next_experiment.rivals import Rival, rivals_of
 from identification.next_experiment.words import in_vain, why, words_of
 from identification.outcome import AT_REST_ONLY
 from identification.result import ErrorMap, MissingForce, Verdict
@@ -58,7 +58,7 @@ def next_experiment(
         return Proposal("the same test at a higher level, or a time record", AT_REST_ONLY)
     bench = Bench.of(model.rig, session.everything.timed)
     for ranked, chances in rounds if verdict == "missing_effect" else ():
-        rivals = rivals_of(all_refitted(session.fitting, ranked, chances, session.progress), chances)
+        rivals = rivals_of(session.fitting, ranked, chances, session.progress)
         if len(rivals) > 1:
             session.progress(
                 f"weighing tests that could tell {' from '.join(rival.effect.label() for rival in rivals)}"

@@ -48,12 +48,13 @@ class Rival:
         return at_coordinates(self.hypothesis, self.unknowns, coordinates(self.hypothesis, self.unknowns) + along)
 
 
-def all_refitted(
+def rivals_of(
     fitting: Evaluator, ranked: Sequence[Ranked], chances: Sequence[float], progress: Progress
-) -> tuple[Ranked, ...]:
-    """The rows of a round, the most probable of those in doubt refitted beside the first one's other effects.
+) -> tuple[Rival, ...]:
+    """The rows of a round that its records do not exclude, the most probable first.
 
-    What was refitted before stays as it is, and so does a sketch whose refit leaves the finite numbers.
+    What was only sketched is refitted beside the first one's other effects; it is no rival where that excludes it, or
+    leaves the finite numbers.
 
     Args:
         fitting: records to refit on.
@@ -61,33 +62,27 @@ def all_refitted(
         chances: probabilities of its rows.
         progress: told what is being done.
     """
-    doubtful = sorted(undecided(ranked, chances), key=lambda pair: -pair[1])[:MOST_RIVALS]
-    sketched = [row for row, _ in doubtful if not row.refitted]
-    if len(doubtful) < 2 or not sketched:
-        return tuple(ranked)
-    first = ranked[0].fit
-    others = first.hypothesis.without_effect(first.hypothesis.effects.index(ranked[0].effect))
-    of_the_rest = tuple(unknown for unknown in first.unknowns if getattr(unknown, "effect", -1) < 0)
-    base = replace(first, unknowns=(*of_the_rest, *effect_unknowns(others)))
-    rows = list(ranked)
-    for row in sketched:
-        progress(f"refitting {row.effect.label()}, which cannot be excluded, with all numbers on {fitting.extent}")
-        found = refit(fitting, base, others.with_effects(row.effect))
-        if found is not None:
-            rows[rows.index(row)] = replace(Ranked.of(found, sketch=row.sketch), log_evidence=row.log_evidence)
-    return tuple(rows)
+    doubtful = sorted(undecided(ranked, chances), key=lambda pair: -pair[1])
+    rivals: list[Rival] = []
+    for row, chance in doubtful if len(doubtful) > 1 else ():
+        if len(rivals) == MOST_RIVALS:
+            break
+        member = row if row.refitted else _refitted(fitting, ranked[0], row.effect, progress)
+        if member is not None:
+            rivals.append(_rival(member, chance, misfit_in_common(ranked)))
+    return tuple(rivals)
 
 
-def rivals_of(ranked: Sequence[Ranked], chances: Sequence[float]) -> tuple[Rival, ...]:
-    """The rows of a round that its records do not exclude, the most probable first.
-
-    Args:
-        ranked: of the round.
-        chances: probabilities of its rows.
-    """
-    scale = misfit_in_common(ranked)
-    kept = sorted(((r, p) for r, p in undecided(ranked, chances) if r.refitted), key=lambda pair: -pair[1])
-    return tuple(_rival(row, chance, scale) for row, chance in kept[:MOST_RIVALS])
+def _refitted(fitting: Evaluator, first: Ranked, effect: Effect, progress: Progress) -> Ranked | None:
+    """A fit of another effect in the first one's place; None where it fails or the records exclude it."""
+    progress(f"refitting {effect.label()}, which cannot be excluded, with all numbers on {fitting.extent}")
+    others = first.fit.hypothesis.without_effect(first.fit.hypothesis.effects.index(first.effect))
+    of_the_rest = tuple(unknown for unknown in first.fit.unknowns if getattr(unknown, "effect", -1) < 0)
+    base = replace(first.fit, unknowns=(*of_the_rest, *effect_unknowns(others)))
+    found = refit(fitting, base, others.with_effects(effect))
+    if found is None or len(undecided((first, member := Ranked.of(found)), (1.0, 0.0))) < 2:
+        return None
+    return member
 
 
 def _rival(row: Ranked, chance: float, scale: float) -> Rival:

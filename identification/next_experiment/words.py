@@ -18,15 +18,11 @@ def why(rivals: Sequence[str], best: Option, present: float, limits: Limits) -> 
         present: probability that the right one has on average now.
         limits: how far a test may go.
     """
-    parted = (
-        f"their predictions part by {sigmas(best.separation)} standard deviations of the noise and of the model's own "
-        "error, whatever numbers they take"
-        if best.separation >= PARTED
-        else "one of them may still do what another does"
-    )
     promise = (
-        f"the records so far do not tell {' from '.join(rivals)}; in this test {parted}, and the right one is expected "
-        f"to have a probability of {_sure(best.expected_probability)} afterwards, {present:.2g} now"
+        f"the records so far do not tell {' from '.join(rivals)}; in this test their predictions part by "
+        f"{sigmas(best.separation)} standard deviations of the noise and of the model's own error, whatever numbers "
+        f"they take, and the right one is expected to have a probability of {_sure(best.expected_probability)} "
+        f"afterwards, {present:.2g} now"
     )
     rows = [promise]
     if best.reach > limits.warned:
@@ -78,7 +74,10 @@ def in_vain(rivals: Sequence[str], best: Option | None) -> str:
     named = " from ".join(rivals)
     if best is None:
         return f"the records so far do not tell {named}, and no test within reach could be weighed"
+    if best.separation < PARTED:
+        return f"no affordable test tells {named}: one of them may still do what another does in the best of them"
     return (
-        f"no affordable test tells {named} for certain: after the best of them the right one is expected to have a "
-        f"probability of {best.expected_probability:.2g}"
+        f"no affordable test tells {named} for certain: in the best of them their predictions part by "
+        f"{sigmas(best.separation)} standard deviations, and the right one is expected to have a probability of "
+        f"{_sure(best.expected_probability)} afterwards"
     )

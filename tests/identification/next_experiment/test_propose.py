@@ -7,7 +7,7 @@ import pytest
 from rival_scenes import SIGMA, bench_of, built, ranked_on
 
 from identification.evaluate import Evaluator
-from identification.evidence import Ranked
+from identification.evidence import Ranked, misfit_in_common
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
 from identification.locating.located import Located
@@ -17,8 +17,8 @@ from identification.next_experiment.choose import settles
 from identification.next_experiment.costs import COSTS, LIMITS
 from identification.next_experiment.proposal import Option
 from identification.next_experiment.propose import next_experiment, shortened
-from identification.next_experiment.rivals import all_refitted, rivals_of
-from identification.next_experiment.words import why, words_of
+from identification.next_experiment.rivals import rivals_of
+from identification.next_experiment.words import in_vain, why, words_of
 from identification.outcome import AT_REST_ONLY
 from identification.prepare import Horizon, horizons
 from identification.result import ErrorMap, MissingForce
@@ -158,7 +158,7 @@ def sketched_beside(stands, *, at):
     """An evaluator, a model that stands, its effect at this place first in its round, and a rival fitted badly."""
     rig = oscillator("displacement")
     cubic = CubicStiffness(Place(), stiffness=3.0 * rig.structure.stiffness / 1e-3**2)
-    _, evaluator = oscillators_record(Hypothesis(rig, effects=stands), rms=2.0)
+    _, evaluator = oscillators_record(Hypothesis(rig), rms=2.0)  # neither is there: both are near to nothing
     unknowns = (*rig_unknowns(rig), *effect_unknowns(Hypothesis(rig, effects=stands)))
     first = Ranked.of(fit(evaluator, Hypothesis(rig, effects=stands), unknowns, precise=True), at)
     (far,) = ranked_on(evaluator, [Hypothesis(rig, effects=(cubic,))])
@@ -173,21 +173,22 @@ def test_a_member_that_was_only_sketched_is_fitted_and_weighed():
     evaluator, rows, least = sketched_beside((GAIN,), at=0)
     said = []
 
-    again = all_refitted(evaluator, rows, [0.6, 0.4], said.append)
+    first, other = rivals_of(evaluator, rows, [0.6, 0.4], said.append)
     told = next_experiment(session_of(evaluator), "missing_effect", [(rows, [0.6, 0.4])], rows[0].fit.hypothesis)
 
-    assert [row.refitted for row in again] == [True, True]
-    assert again[1].fit.chi2 == pytest.approx(least, rel=0.01)
+    assert first.fit is rows[0].fit
+    assert other.fit.chi2 == pytest.approx(least, rel=0.01)
     assert len(said) == 1
     assert [effect.kind for effect in told.rivals] == ["sensor_gain", "cubic_stiffness"]
-    assert all_refitted(evaluator, rows, [0.99, 0.01], said.append)[1] is rows[1]  # not in doubt
+    assert rivals_of(evaluator, rows, [0.99, 0.01], said.append) == ()  # not in doubt
+    assert len(said) == 1
 
 
 def test_what_stood_beside_the_first_stands_beside_the_sketched_wherever_the_first_comes_in_order():
     delay = SensorDelay(Place(sensor="top"), delay=3e-4)
     evaluator, rows, _ = sketched_beside((GAIN, delay), at=0)
 
-    _, again = all_refitted(evaluator, rows, [0.6, 0.4], lambda _: None)
+    _, again = rivals_of(evaluator, rows, [0.6, 0.4], lambda _: None)
 
     assert [effect.kind for effect in again.fit.hypothesis.effects] == ["sensor_delay", "cubic_stiffness"]
     assert {unknown.effect for unknown in again.fit.unknowns if hasattr(unknown, "effect")} == {0, 1}
@@ -196,12 +197,19 @@ def test_what_stood_beside_the_first_stands_beside_the_sketched_wherever_the_fir
 def test_a_sketch_that_diverges_takes_no_others_place(monkeypatch):
     evaluator, (first, sketch), _ = sketched_beside((GAIN,), at=0)
     monkeypatch.setattr("identification.next_experiment.rivals.refit", lambda *_: None)
-    rows, chances = [first, sketch, replace(sketch), replace(first)], [0.4, 0.2, 0.2, 0.2]
+    rows, chances = [first, sketch, replace(sketch), replace(sketch), replace(first)], [0.3, 0.2, 0.2, 0.2, 0.1]
 
-    again = all_refitted(evaluator, rows, chances, lambda _: None)
+    assert [rival.chance for rival in rivals_of(evaluator, rows, chances, lambda _: None)] == [0.3, 0.1]
 
-    assert [row.refitted for row in again] == [True, False, False, True]
-    assert len(rivals_of(again, chances)) == 2
+
+def test_a_sketch_that_its_refit_excludes_is_no_rival(monkeypatch):
+    evaluator, (first, sketch), _ = sketched_beside((GAIN,), at=0)
+    refits = iter([replace(first.fit, chi2=first.fit.chi2 + more * misfit_in_common([first])) for more in (7.0, 8.5)])
+    monkeypatch.setattr("identification.next_experiment.rivals.refit", lambda *_: next(refits))
+
+    rivals = rivals_of(evaluator, [first, sketch, replace(sketch)], [0.4, 0.35, 0.25], lambda _: None)
+
+    assert [rival.chance for rival in rivals] == [0.4, 0.35]  # 2 log 50 = 7.8
 
 
 @pytest.mark.parametrize(
@@ -213,14 +221,14 @@ def test_only_what_a_test_measures_settles_a_matter(expected, apart, is_settled)
     assert settles(Option(test, expected, apart, 1.0, test.seconds)) == is_settled
 
 
-def test_what_one_rival_can_do_as_well_is_said():
+def test_what_a_test_does_not_part_is_said():
     test = steady(bench_of(oscillator(), SIGMA), COSTS, 1.0, (10.0, 200.0), "level")
-    options = [Option(test, 0.97, apart, 1.0, test.seconds) for apart in (0.2, 4.0)]
-    told = [why(["a", "b"], option, 0.9, LIMITS) for option in options]
-    assert "one of them may still do what another does" in told[0]
-    assert "part by 4 standard deviations" in told[1]
-    assert words_of(options[0]) == f"no test within reach parts them; the best of those weighed is {test.words}"
-    assert words_of(options[1]) == test.words
+    same, near, far = (Option(test, 0.97, apart, 1.0, test.seconds) for apart in (0.2, 2.0, 4.0))
+    assert "one of them may still do what another does" in in_vain(["a", "b"], same)
+    assert "part by 2 standard deviations" in in_vain(["a", "b"], near)
+    assert "part by 4 standard deviations" in why(["a", "b"], far, 0.9, LIMITS)
+    assert words_of(same) == f"no test within reach parts them; the best of those weighed is {test.words}"
+    assert words_of(far) == test.words
 
 
 def test_a_part_of_old_records_stands_for_all_of_them():
