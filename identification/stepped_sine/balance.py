@@ -7,7 +7,6 @@ Source: M. Krack, J. Gross, Harmonic Balance for Nonlinear Vibration Problems (2
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import isfinite
 from typing import Self
 
 import numpy as np
@@ -45,7 +44,7 @@ class Balance:
         stiffness: (n,) dynamic stiffness of the linear part, N/m.
         reading: (n_sensors, n) what the sensors read per displacement.
         log_a: (m,) logarithms of amplitudes, m, or none where there is no law.
-        low, high: describing functions of all laws over them at the lowest and the highest frequency.
+        laws: describing functions of all laws over them, at the lowest and at the highest frequency.
         share: (n,) where each line lies between those.
     """
 
@@ -53,8 +52,7 @@ class Balance:
     stiffness: ComplexArray
     reading: ComplexArray
     log_a: FloatArray
-    low: CubicSpline | None
-    high: CubicSpline | None
+    laws: CubicSpline | None
     share: FloatArray
 
     @classmethod
@@ -83,12 +81,12 @@ class Balance:
         ends = (float(omega.min()), float(max(omega.max(), omega.min() * (1.0 + 1e-6))))
         share = (omega - ends[0]) / (ends[1] - ends[0])
         if not plant.laws:
-            return cls(record, stiffness, reading, np.empty(0), None, None, share)
+            return cls(record, stiffness, reading, np.empty(0), None, share)
         first, last = (round(PER_DECADE * np.log10(a)) for a in _range_of(record, reading))
-        log_a = np.arange(first, last + 1) / PER_DECADE * np.log(10.0)
-        added = [np.sum([_table(law, first, last, end) for law in plant.laws], axis=0) for end in ends]
-        low, high = (CubicSpline(log_a, kappa) for kappa in added)
-        return cls(record, stiffness, reading, log_a, low, high, share)
+        powers = range(first, last + 1)
+        log_a = np.array(powers) / PER_DECADE * np.log(10.0)
+        ends_kappa = [np.sum([_table(law, powers, end) for law in plant.laws], axis=0) for end in ends]
+        return cls(record, stiffness, reading, log_a, CubicSpline(log_a, np.stack(ends_kappa, axis=-1)), share)
 
     def held(self, log_a: FloatArray) -> ComplexArray:
         """(n, ...) dynamic stiffness with the laws; within a narrow band they are straight in the frequency.
@@ -96,11 +94,12 @@ class Balance:
         Args:
             log_a: (n,) a logarithm of amplitude for each line, or (1, m) some for all of them.
         """
-        if self.low is None or self.high is None:
+        if self.laws is None:
             return self.stiffness
         at_line = (slice(None), None) if log_a.ndim > 1 else slice(None)
         share = self.share[at_line]
-        return np.asarray(self.stiffness[at_line] + (1.0 - share) * self.low(log_a) + share * self.high(log_a))
+        low, high = np.moveaxis(self.laws(log_a), -1, 0)
+        return np.asarray(self.stiffness[at_line] + (1.0 - share) * low + share * high)
 
     def steady_state(self) -> ComplexArray:
         """(n_sensors, n) first harmonics that the sensors read, SI, with the phase against the force.
@@ -127,7 +126,7 @@ class Balance:
     def _found(self) -> FloatArray:
         """(n,) logarithms of the amplitudes that balance the force."""
         log_force = np.log(self.record.force)
-        if self.low is None:
+        if self.laws is None:
             return np.asarray(log_force - np.log(np.abs(self.stiffness)))
         fine = np.linspace(*self._range, (len(self.log_a) - 1) * BETWEEN + 1)
         excess = np.log(np.abs(self.held(fine[None]))) + fine - log_force[:, None]
@@ -156,18 +155,26 @@ def _range_of(record: SteppedSine, reading: ComplexArray) -> tuple[float, float]
     return LEAST_SHARE * float(size.min()), MOST_SHARE * float(size.max())
 
 
-def _table(law: PointLaw, first: int, last: int, omega: float) -> ComplexArray:
-    """(m,) the describing function at the powers first / PER_DECADE to last / PER_DECADE of ten."""
-    return np.array([_described(law, power, omega) for power in range(first, last + 1)])
+def _table(law: PointLaw, powers: range, omega: float) -> ComplexArray:
+    """(m,) the describing function at these powers of ten, in units of 1 / PER_DECADE.
 
-
-@lru_cache(maxsize=4096)
-def _described(law: PointLaw, power: int, omega: float) -> complex:
-    """One value of it: other numbers of the rig and other levels find it as it is."""
-    kappa = complex(describing_function(law, np.array([10.0 ** (power / PER_DECADE)]), omega)[0])
-    if not isfinite(kappa.real + kappa.imag):
+    Other numbers of the rig and other levels find a value as it is.
+    """
+    known = _known(law, omega)
+    missing = [power for power in powers if power not in known]
+    if missing:
+        amplitudes = 10.0 ** (np.array(missing) / PER_DECADE)
+        known.update(zip(missing, describing_function(law, amplitudes, omega).tolist(), strict=True))
+    table = np.array([known[power] for power in powers])
+    if not np.isfinite(table).all():
         raise DivergenceError(f"{law.owner}: a force without bound under a sine; its numbers are out of all range")
-    return kappa
+    return table
+
+
+@lru_cache(maxsize=128)
+def _known(law: PointLaw, omega: float) -> dict[int, complex]:  # noqa: ARG001
+    """Values of a law's describing function by power, filled as they are asked for."""
+    return {}
 
 
 def _branch(fine: FloatArray, excess: FloatArray, name: str) -> FloatArray:

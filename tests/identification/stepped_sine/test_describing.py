@@ -82,6 +82,32 @@ def test_hysteresis_loses_what_a_simulated_cycle_loses(exponent, ratio):
     assert pi * a**2 * kappa(effect, [a]).imag[0] == pytest.approx(after, rel=1e-2)
 
 
+def pull(t, q, v, z, p):
+    return -z
+
+
+def slips_sooner_one_way(t, q, v, z, p):
+    limit = p[1] if z > 0.0 else p[2]
+    return v * p[0] * (1.0 - (abs(z) / limit if z * v > 0.0 else 0.0))
+
+
+@pytest.mark.parametrize("limits", [(1.0, 1.0), (0.5, 2.0)], ids=["alike both ways", "not alike"])
+def test_a_loop_has_the_first_harmonic_of_its_simulated_cycle_however_it_slips(limits):
+    numbers, a = (2e4, *limits), 2e-4
+
+    def rate(t, z):
+        return [slips_sooner_one_way(0.0, 0.0, a * OMEGA * np.cos(OMEGA * t), z[0], numbers)]
+
+    period = 2.0 * pi / OMEGA
+    time = 30.0 * period + np.linspace(0.0, period, 4001)
+    z = solve_ivp(rate, (0.0, 31.0 * period), [0.0], t_eval=time, max_step=period / 400, rtol=1e-8, atol=1e-10).y[0]
+    # q = a sin: its quadrature leads by a quarter.
+    turning = np.exp(-1j * (OMEGA * time - 0.5 * pi))
+    expected = 2.0 / period * np.trapezoid(z * turning, time) / a
+    (found,) = describing_function(PointLaw(Port(None), pull, numbers, slips_sooner_one_way), np.array([a]), OMEGA)
+    assert found == pytest.approx(expected, rel=1e-4)
+
+
 def test_small_hysteresis_is_a_spring_and_large_is_friction():
     effect = BoucWen(Place(), 2.0, 1e-4, 1.0)
     small, large = kappa(effect, [1e-8, 1e-2])
