@@ -1,6 +1,6 @@
 # Every target makes its own virtual environment first; a bare machine needs only make and Python 3.11 or newer.
 .DEFAULT_GOAL := help
-.PHONY: demo test bench lint clean help
+.PHONY: demo test studies bench lint clean help
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -15,8 +15,11 @@ PYTHON ?= $(shell for p in python3.14 python3.13 python3.12 python3.11 python3 p
 demo: $(STAMP)  ## run the whole loop on a virtual test and write results/demo
 	@$(BIN)/testbed demo --out results/demo
 
-test: $(STAMP)  ## run all tests, the slow ones too
-	@$(BIN)/python -m pytest -q -n 2 --dist worksteal
+test: $(STAMP)  ## run all tests but the whole studies
+	@$(BIN)/python -m pytest -q -n 2 --dist worksteal -m 'not study'
+
+studies: $(STAMP)  ## make the whole studies again and hold them to their bars
+	@$(BIN)/python -m pytest -q -n 2 --dist worksteal -m study
 
 bench: $(STAMP)  ## run the benchmarks and print their ratios
 	@$(BIN)/python -m pytest -q -s -o python_files='bench_*.py' tests/benchmarks

@@ -158,7 +158,7 @@ def study_friction_frame(folder: Path, seed: int, jobs: int, progress: Progress)
     tests = [read_halves(folder, weight) for weight in WEIGHTS]
     progress(f"diagnosing {', '.join(f'{test.weight} g' for test in tests)}")
     with processes(min(jobs, len(tests))) as pool:
-        waiting = {test.weight: pool.submit(_result_of, test, seed) for test in reversed(tests)}
+        waiting = {test.weight: pool.submit(weight_result, test, seed) for test in reversed(tests)}
         rows = []
         for weight, future in sorted(waiting.items()):
             rows.append(future.result())
@@ -208,7 +208,13 @@ def read_halves(folder: Path, weight: int) -> Halves:
     return Halves(weight, part("first half", slice(None, half)), part("second half", slice(half, None)))
 
 
-def _result_of(test: Halves, seed: int) -> WeightResult:
+def weight_result(test: Halves, seed: int) -> WeightResult:
+    """One weight's diagnosis from its first half, and what it and the linear models are worth on the second.
+
+    Args:
+        test: of the weight.
+        seed: of every random choice.
+    """
     found = diagnose(FRAME, [test.first], seed=seed, jobs=1, most_effects=MOST_ADDED)
     force, std = 0.0, 0.0
     for added in found.added:

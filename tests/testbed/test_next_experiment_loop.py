@@ -42,6 +42,7 @@ def quiet_record():
 
 
 @pytest.mark.slow
+@pytest.mark.study
 def test_the_file_that_a_diagnosis_writes_settles_what_it_left_open(tmp_path):
     old = quiet_record()
     before = diagnose(REFERENCE, [old], registry=KINDS, jobs=1)

@@ -80,6 +80,7 @@ def test_the_printed_errors_are_those_of_the_printed_frequencies():
 
 
 @pytest.mark.slow
+@pytest.mark.study
 def test_the_study_writes_its_page_and_rigs_that_can_be_read_and_goes_on_where_it_was(tmp_path, capsys):
     out = tmp_path / "article"
     command = ["study", "article", "--quick", "--out", str(out), "--json"]

@@ -113,6 +113,7 @@ def test_only_simulators_with_bounds_are_held_against_the_modal_model(tmp_path, 
 
 
 @pytest.mark.slow
+@pytest.mark.study
 def test_the_whole_cross_check_keeps_its_bounds():
     told = []
     found = crosscheck(REFERENCE, ["mujoco", "exudyn"], told.append)

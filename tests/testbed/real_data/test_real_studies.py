@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 
 from testbed.cli.app import main
+from tests.testbed.real_data.test_friction_frame import assert_friction_does_what_no_linear_frame_does
 
-pytestmark = [pytest.mark.real_data, pytest.mark.slow]
+pytestmark = [pytest.mark.real_data, pytest.mark.slow, pytest.mark.study]
 
 STUDIES = (
     ("silverbox", "silverbox", "SNLS80mV.mat"),
@@ -31,12 +32,3 @@ def test_every_bar_is_kept(study, folder, file, tmp_path):
     assert list((tmp_path / "figures").glob("*.png"))
     if study == "friction-frame":
         assert_friction_does_what_no_linear_frame_does(content["weights"])
-
-
-def assert_friction_does_what_no_linear_frame_does(weights):
-    """On the halves kept aside, which no number was learnt from, at every weight; errors in mm."""
-    for weight in weights:
-        (first, *_), errors = weight["diagnosis"]["effects"], weight["errors_mm"]
-        assert first["against"] == "ground"
-        assert errors["updated"] <= 0.14
-        assert min(errors["as given"], errors["calibrated"], errors["linear, loose"]) > 3.0 * errors["updated"]
