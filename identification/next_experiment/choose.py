@@ -166,7 +166,17 @@ def _merit(question: Question, option: Option) -> tuple[bool, float, float, floa
 
 def settles(option: Option) -> bool:
     """Whether a test is expected to leave one rival alone, by what it measures."""
-    return option.expected_probability >= DECISIVE and option.separation >= EXCLUDED
+    return is_decisive(option.expected_probability, option.separation)
+
+
+def is_decisive(expected_probability: float, separation: float) -> bool:
+    """Whether a promise is that of a test that settles the matter.
+
+    Args:
+        expected_probability: of the right one afterwards.
+        separation: in standard deviations.
+    """
+    return expected_probability >= DECISIVE and separation >= EXCLUDED
 
 
 AMPLE = 10.0

@@ -14,7 +14,7 @@ import numpy as np
 
 from identification.evaluate import Evaluator
 from identification.fit import Fit, fit
-from identification.hypothesis import Hypothesis, Unknown
+from identification.hypothesis import EffectUnknown, Hypothesis, Unknown, at_coordinates, coordinates
 from identification.next_experiment.forecast import Forecast, own_of_test
 from identification.next_experiment.rivals import Rival
 from models.arrays import FloatArray
@@ -82,22 +82,60 @@ def _refitted(seen: Forecast, rivals: Sequence[Rival], old: Evaluator, a: int, b
     seconds = target.record.duration
     # Two seconds stand for the whole of a steady test: their noise is that of its mean.
     new = replace(target, density=target.density * seconds / max(seen.useful, seconds))
-    both = old.with_targets([*old.targets, new])
     right, wrong = (_with_starts(rivals[i].fit.hypothesis, seen.models[i]) for i in (a, b))
     unknowns = (*rivals[b].fit.unknowns, *own_of_test(wrong, [target.record]))
     (before,) = Against(old, right).residuals([(wrong, None)])
     if before is None:
         raise ArithmeticError("a rival diverges on the records so far")
-    starts = [wrong]
-    for seconds_seen in (each for each in WINDOWS if each < seconds):
-        begun = new.cut(round(seconds_seen * target.record.fs))
-        short = Against(old.with_targets([*old.targets, begun]), right)
-        starts += [found.hypothesis for found in _fitted(short, starts[-1], unknowns)]
-    after = next((end for start in reversed(starts) for end in _fitted(Against(both, right), start, unknowns)), None)
-    if after is None:
+    beginnings = [new.cut(round(part * target.record.fs)) for part in WINDOWS if part < seconds]
+    longer = [Against(old.with_targets([*old.targets, part]), right) for part in (*beginnings, new)]
+    near, now = _beside(longer[-1], right, rivals[b], wrong), float(before @ before)
+    ends: list[Fit] = []
+    for start in (near, wrong):
+        ends += _followed(longer, start, unknowns)
+        if ends and (ends[-1].cost - now) / seen.unit < 1.0:
+            break
+    if not ends:
         raise ArithmeticError("no fit of a rival finds its way through the new record")
-    lost = (after.chi2 - float(before @ before)) / seen.unit + after.penalty - rivals[b].fit.penalty
-    return max(0.0, lost)
+    after = min(ends, key=lambda end: end.cost)
+    return max(0.0, (after.chi2 - now) / seen.unit + after.penalty - rivals[b].fit.penalty)
+
+
+def _beside(both: Against, right: Hypothesis, rival: Rival, wrong: Hypothesis) -> Hypothesis:
+    """The rival with the right one's numbers of the rig, its own moved to where it comes nearest to what that predicts.
+
+    A law that holds the right one within it has that far along the way in which its own numbers are hardly known
+    together: friction that slips as fast as no motion so far is a dashpot, and at a larger motion slips faster.
+
+    Args:
+        both: the old records and the new one, against the right one's prediction.
+        right: what stands for the truth.
+        rival: the wrong one.
+        wrong: the same on these records.
+    """
+    begun = replace(wrong, values=right.values)
+    effects, numbered = rival.fit.hypothesis.effects, list(enumerate(rival.unknowns))
+    own = [i for i, u in numbered if isinstance(u, EffectUnknown) and effects[u.effect] == rival.effect]
+    if not own:
+        return begun
+    unknowns = tuple(rival.unknowns[i] for i in own)
+    variance, axes = np.linalg.eigh(rival.axes[:, own].T @ rival.axes[:, own])
+    widest, here = axes[:, -1] * np.sqrt(max(float(variance[-1]), 0.0)), coordinates(begun, unknowns)
+    tried = [begun, *(at_coordinates(begun, unknowns, here + way * widest) for way in WAYS)]
+    costs = [np.inf if row is None else float(row @ row) for row in both.residuals([(each, None) for each in tried])]
+    return tried[int(np.argmin(costs))]
+
+
+WAYS = (-8.0, -4.0, -2.0, -1.0, 1.0, 2.0, 4.0, 8.0)
+"""Standard deviations along it."""
+
+
+def _followed(longer: Sequence[Against], start: Hypothesis, unknowns: Sequence[Unknown]) -> list[Fit]:
+    """The fit to the whole from ever longer beginnings, or from the last of them that it comes from."""
+    starts = [start]
+    for part in longer[:-1]:
+        starts += [found.hypothesis for found in _fitted(part, starts[-1], unknowns)]
+    return next((ends for start in reversed(starts) if (ends := _fitted(longer[-1], start, unknowns))), [])
 
 
 def _fitted(against: Against, start: Hypothesis, unknowns: Sequence[Unknown]) -> list[Fit]:

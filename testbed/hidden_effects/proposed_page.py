@@ -6,7 +6,8 @@ from typing import get_args
 
 import numpy as np
 
-from identification.next_experiment.words import PARTED, sigmas
+from identification.next_experiment.choose import DECISIVE, EXCLUDED, is_decisive
+from identification.next_experiment.words import sigmas
 from testbed.hidden_effects.page import effect_in_words
 from testbed.hidden_effects.proposed import Outcome
 from testbed.outputs import Json
@@ -18,10 +19,12 @@ far, by MuJoCo or Exudyn, and the rig is diagnosed again from the old records an
 
 *Told apart*: the right effect is named and no group is stated any more. *Still open*: a group is stated, and the right
 effect is in it. *Wrong*: it is not. *No group*: the diagnosis of today states none, of the same records.
-A test *parts* the group where its members' predictions differ by {PARTED:g} standard deviation of the noise or more,
-whatever numbers they take; where no affordable test does, the proposal says so, and a law that holds the other one
-within it is left. *Promised* is the mean probability that the right one was expected to have afterwards; *reached* the
-one that it has, 0 where it is not named.
+A test *promises to settle it* where the right one is expected to have a probability of {DECISIVE:g} at least, and the
+members' predictions to part by {EXCLUDED:.1f} standard deviations of the noise, whatever numbers they take; where no
+affordable test does, the proposal says so. A law that holds the right one within it (friction that slips faster than
+anything moves is a dashpot, an absorber far above the band is a mass) is told from it by no test; were it the other way
+round, a test would. *Promised* is the mean probability that the right one was expected to have afterwards; *reached*
+the one that it has, 0 where it is not named.
 """
 
 
@@ -33,15 +36,19 @@ def proposed_summary(cases: Sequence[Json]) -> Json:
     """
     done = [case for case in cases if "outcome" in case]
     tested = [case for case in done if "after" in case]
-    parted = [case for case in tested if case["proposal"]["separation"] >= PARTED]
+    promised = [case for case in tested if _is_promised(case["proposal"])]
     return {
         "cases": len(cases),
         "failed": [{"case": case["case"], "failure": case["failure"]} for case in cases if case not in done],
         "outcomes": {name: sum(case["outcome"] == name for case in done) for name in get_args(Outcome)},
-        "expected to part": _about(parted),
-        "not expected to part": _about([case for case in tested if case not in parted]),
+        "promised to settle it": _about(promised),
+        "promised less": _about([case for case in tested if case not in promised]),
         "rows": done,
     }
+
+
+def _is_promised(proposal: Json) -> bool:
+    return is_decisive(proposal["expected_probability"], proposal["separation"])
 
 
 def _about(cases: Sequence[Json]) -> Json:
@@ -74,7 +81,7 @@ def _counts(summary: Json) -> Iterator[str]:
     yield ""
     yield "| tests | carried out | told apart | still open | wrong | probability now | promised | reached |"
     yield "|---|---|---|---|---|---|---|---|"
-    for name in ("expected to part", "not expected to part"):
+    for name in ("promised to settle it", "promised less"):
         row = summary[name]
         counts = " | ".join(str(row["outcomes"].get(key, 0)) for key in ("told apart", "still open", "wrong"))
         means = " | ".join("" if row[key] is None else f"{row[key]:.3f}" for key in ("present", "promised", "reached"))

@@ -5,7 +5,7 @@ import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
-from identification.next_experiment.words import PARTED
+from identification.next_experiment.choose import is_decisive
 from identification.progress import Progress
 from models.errors import InputError
 from testbed.hidden_effects.crew import RunCase, Workers
@@ -18,7 +18,7 @@ from testbed.outputs import Json, json_text, staged
 
 
 def with_a_group(results: Path) -> tuple[Task, ...]:
-    """The cases in which the diagnosis stated a group: first those whose test was to part it, the newest batch first.
+    """The cases in which the diagnosis stated a group: first those whose test was to settle it, the newest batch first.
 
     What a diagnosis of long ago could not tell apart, today's may; a law that holds the other one within it, no test
     tells from that, and the diagnosis says so.
@@ -41,13 +41,14 @@ def with_a_group(results: Path) -> tuple[Task, ...]:
         )
     order = {seed: number for each in SETS.values() for number, seed in enumerate(each.batches, 1)}
     # Last those of seeds put aside since.
-    grouped.sort(key=lambda case: (not _was_to_part(case), -order.get(case["seed"], 0), case["case"]))
+    grouped.sort(key=lambda case: (not _was_to_settle(case), -order.get(case["seed"], 0), case["case"]))
     return tuple(Task(case["set"], case["seed"], case["kind"], case["number"]) for case in grouped)
 
 
-def _was_to_part(case: Json) -> bool:
-    """Whether the test that was proposed then promised to part the group."""
-    return bool(case["diagnosis"].get("next_experiment", {}).get("separation", 0.0) >= PARTED)
+def _was_to_settle(case: Json) -> bool:
+    """Whether the test that was proposed then promised to settle the matter."""
+    proposal = case["diagnosis"].get("next_experiment", {})
+    return is_decisive(proposal.get("expected_probability", 0.0), proposal.get("separation", 0.0))
 
 
 def run_next_experiments(

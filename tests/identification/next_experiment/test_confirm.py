@@ -4,16 +4,22 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rival_scenes import SIGMA, bench_of, free, gains
+from rival_scenes import SIGMA, bench_of, free, gains, heard, ranked_on
 
 from identification.evaluate import Evaluator, TimeTarget
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, rig_unknowns
+from identification.next_experiment import confirm
+from identification.next_experiment.bench import Bench
 from identification.next_experiment.candidates import steady
 from identification.next_experiment.confirm import Against, confirmed
 from identification.next_experiment.costs import COSTS
 from identification.next_experiment.forecast import explained_away, followed, forecast
+from identification.next_experiment.rivals import rivals_of
 from identification.noise import Noise
+from models.effects.coulomb_friction import CoulombFriction
+from models.effects.point_damping import PointDamping
+from models.effects.protocol import Place
 from models.simulate import Settings
 from tests.identification.trial_records import moved, oscillator
 
@@ -68,3 +74,34 @@ def test_a_prediction_stands_for_what_was_measured():
     assert np.all(same == 0.0)
     # The old record is the given rig's response.
     assert other == pytest.approx(-straight)
+
+
+def test_a_law_that_holds_the_right_one_within_it_begins_where_it_does_what_that_does(monkeypatch):
+    """Friction that slips as fast as nothing moved so far is a dashpot."""
+    rig, sigma = oscillator("displacement"), 1e-6
+    given = bench_of(rig, sigma)
+    silent = steady(given, COSTS, 1.0, given.band, "level").record("old", given.sensors, 4.0)
+    truth = Hypothesis(rig, effects=(PointDamping(Place(), damping=0.5),))
+    old = Evaluator([heard(truth, silent, sigma, 1)], 1)
+    friction = Hypothesis(rig, effects=(CoulombFriction(Place(), friction_force=0.025, slip_velocity=0.05),))
+    dashpot, rubs = rivals_of(old, ranked_on(old, [truth, friction], places=False), [0.5, 0.5], lambda _: None)
+    # As if its slip velocity were known ten times as well as it is: no slope tells how far it goes.
+    rivals, bench = [dashpot, replace(rubs, axes=0.1 * rubs.axes)], Bench.of(rig, old.timed)
+    seen = followed(forecast(bench, rivals, steady(bench, COSTS, 10.0, bench.band, "level"), 1.0, Settings(), 1))
+    starts = []
+
+    def seen_from(against, start, *others, **more):
+        starts.append(start)
+        return fit(against, start, *others, **more)
+
+    monkeypatch.setattr(confirm, "fit", seen_from)
+
+    slopes = explained_away(seen, rivals)
+    found = confirmed(seen, rivals, old, slopes)
+
+    (begun,) = starts[0].effects
+    assert starts[0].values == dashpot.fit.hypothesis.values
+    assert begun.slip_velocity > 1.5 * rubs.effect.slip_velocity
+    assert slopes[0, 1, 1] > 25.0
+    assert found[0, 1, 1] < 4.0
+    assert found[1, 0, 0] > 9.0  # a dashpot never rubs

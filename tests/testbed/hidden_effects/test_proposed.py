@@ -131,12 +131,12 @@ def test_tests_that_part_are_counted_apart_from_those_that_cannot():
     assert summary["outcomes"] == {
         "told apart": 1, "still open": 1, "wrong": 1, "no group": 1, "no test": 0, "no simulator": 0,
     }  # fmt: skip
-    parted, other = summary["expected to part"], summary["not expected to part"]
+    parted, other = summary["promised to settle it"], summary["promised less"]
     assert (parted["cases"], other["cases"]) == (2, 1)
     assert parted["promised"] == pytest.approx(0.95)
     assert parted["reached"] == pytest.approx(0.97 / 2)
     page = proposed_page(summary, "testbed")
-    assert "| expected to part | 2 | 1 | 0 | 1 | 0.550 | 0.950 | 0.485 |" in page
+    assert "| promised to settle it | 2 | 1 | 0 | 1 | 0.550 | 0.950 | 0.485 |" in page
     assert "point_mass at 0.5 m, absorber at 0.5 m" in page
     assert "`reported-1-point_mass-4` failed: ValueError: nobody knows." in page
 
@@ -165,7 +165,7 @@ def test_cases_with_a_stated_group_are_run_once(tmp_path):
     assert again()["outcomes"]["told apart"] == 2
     assert again()["cases"] == 2
     assert told[-1] == "2 of 2 cases are there, 0 to do"
-    assert json.loads((tmp_path / "out" / "summary.json").read_text())["expected to part"]["cases"] == 2
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["promised to settle it"]["cases"] == 2
     assert (tmp_path / "out" / "README.md").read_text().startswith("# The next experiment")
 
 
@@ -177,11 +177,11 @@ def test_the_newest_batch_is_taken_first(tmp_path):
     assert [task.seed for task in with_a_group(tmp_path)] == [seeds[-1], seeds[-2], seeds[0], 1]
 
 
-def test_those_whose_test_was_to_part_them_come_before_all_others(tmp_path):
+def test_those_whose_test_was_to_settle_it_come_before_all_others(tmp_path):
     for number, separation in enumerate((0.2, 4.0, None)):
         case = with_group(number, [GROUP])
         if separation is not None:
-            case["diagnosis"]["next_experiment"] = {"separation": separation}
+            case["diagnosis"]["next_experiment"] = {"separation": separation, "expected_probability": 0.99}
         keep_json(tmp_path / "cases" / f"{case['case']}.json", case)
     assert [task.number for task in with_a_group(tmp_path)] == [1, 0, 2]
 
