@@ -38,6 +38,7 @@ from identification.prepare import cut_to
 from identification.result import Diagnosis, Stage, Verdict
 from identification.session import Session
 from identification.together import wholly_off
+from identification.told_by_all import told_by_all
 from identification.unstrained import moved_back, unstrained
 from models.simulate import Settings, Trace
 
@@ -117,7 +118,8 @@ def concluded(
     calibrated = next(stage for stage in reversed(stages) if stage.label == "calibrated")
     rounds = [distinct(ranked) for ranked in rounds]
     standing_effects = len(final.hypothesis.effects)
-    rounds[:standing_effects] = [in_parts(session, r, polished, i) for i, r in enumerate(rounds[:standing_effects])]
+    standing_rounds = [told_by_all(session, r, final, i) for i, r in enumerate(rounds[:standing_effects])]
+    rounds[:standing_effects] = [in_parts(session, r, polished, i) for i, r in enumerate(standing_rounds)]
     first = rounds[0] if rounds else []
     chances = probabilities([r.log_evidence for r in first] + [_nothing(first, final)]) if first else []
     later = [(ranked, probabilities([r.log_evidence for r in ranked])) for ranked in rounds[1:] if ranked]

@@ -158,11 +158,19 @@ class Session:
 
         def ended() -> Fit:
             self._foresee(result.hypothesis)
-            return self._fit_of_all(result.hypothesis)
+            return self.fit_of_all(result.hypothesis)
 
         return self._ended.about(self.everything, result, ask=ended)
 
-    def _fit_of_all(self, hypothesis: Hypothesis) -> Fit:
+    def fit_of_all(self, hypothesis: Hypothesis) -> Fit:
+        """A model fitted with all its numbers to everything that can be predicted.
+
+        Args:
+            hypothesis: where the fit begins.
+
+        Raises:
+            ArithmeticError: the model diverges.
+        """
         whole = self.all_predicted
         unknowns = (*unknowns_of(hypothesis, whole), *effect_unknowns(hypothesis))
         self.progress(f"fit on all {whole.extent}")
@@ -306,7 +314,7 @@ class Session:
         if louder.nrmse_of_noise <= least:
             return False
         before, self.everything = self.everything, louder
-        again = self._fit_of_all(ended.hypothesis)
+        again = self.fit_of_all(ended.hypothesis)
         if not reaches_noise(self.all_predicted, again):
             self.everything = before
             return False
