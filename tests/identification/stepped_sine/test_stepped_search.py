@@ -55,6 +55,7 @@ def test_the_effect_is_named_with_its_numbers(truth, number, within):
 
 
 @pytest.mark.slow
+@pytest.mark.study
 def test_each_of_two_effects_wins_against_all_others_in_its_place():
     truth = [CubicStiffness(Place(), 1e11), BoucWen(Place(), 6.0, 2e-4, 1.0)]
     evaluator, base = calibrated(measured(truth, (0.2, 1.0, 2.0)))
