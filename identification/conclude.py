@@ -118,8 +118,8 @@ def concluded(
     calibrated = next(stage for stage in reversed(stages) if stage.label == "calibrated")
     rounds = [distinct(ranked) for ranked in rounds]
     standing_effects = len(final.hypothesis.effects)
-    standing_rounds = [told_by_all(session, r, final, i) for i, r in enumerate(rounds[:standing_effects])]
-    rounds[:standing_effects] = [in_parts(session, r, polished, i) for i, r in enumerate(standing_rounds)]
+    for i, ranked in enumerate(rounds[:standing_effects]):
+        rounds[i] = in_parts(session, told_by_all(session, ranked, final, i), polished, i)
     first = rounds[0] if rounds else []
     chances = probabilities([r.log_evidence for r in first] + [_nothing(first, final)]) if first else []
     later = [(ranked, probabilities([r.log_evidence for r in ranked])) for ranked in rounds[1:] if ranked]

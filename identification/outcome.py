@@ -17,6 +17,9 @@ from models.rig import Rig
 TELLABLE = 0.02
 """Candidates with a larger share of the probability than this cannot be excluded."""
 
+EXCLUDED_BY = 2.0 * log(1.0 / TELLABLE)
+"""Chi-square, in units of its round, by which a candidate that is as probable beforehand has that share."""
+
 UNTRIED, UNTRIED_BEYOND, UNTRIED_MISSED = 0.03, 0.2, 0.5
 """Probability that what is missing is none of what was judged, or lies in a valley that no start led to: where the
 error reaches the noise, where more is left, and where what was learnt does not hold on a record kept aside. Of effects
@@ -184,6 +187,15 @@ def groups_of(ranked: Sequence[Ranked], chances: Sequence[float]) -> tuple[tuple
     return (group,) if len(group) > 1 else ()
 
 
+def members_of(ranked: Sequence[Ranked]) -> list[Ranked]:
+    """The rows of a round that its records do not exclude, by its own evidence.
+
+    Args:
+        ranked: of the round, the best first.
+    """
+    return [row for row, _ in undecided(ranked, probabilities([row.log_evidence for row in ranked]))]
+
+
 def undecided(ranked: Sequence[Ranked], chances: Sequence[float]) -> tuple[tuple[Ranked, float], ...]:
     """The rows of a round that its records do not exclude, each with a probability of ``TELLABLE`` at least.
 
@@ -195,6 +207,6 @@ def undecided(ranked: Sequence[Ranked], chances: Sequence[float]) -> tuple[tuple
     """
     if not ranked:
         return ()
-    near = ranked[0].fit.chi2 + 2.0 * misfit_in_common(ranked) * log(1.0 / TELLABLE)
+    near = ranked[0].fit.chi2 + EXCLUDED_BY * misfit_in_common(ranked)
     pairs = zip(ranked, chances, strict=False)
     return tuple((r, max(p, TELLABLE)) for r, p in pairs if p > TELLABLE or (r.refitted and r.fit.chi2 < near))

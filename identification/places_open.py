@@ -11,10 +11,10 @@ from math import log
 from scipy.stats import truncnorm
 
 from identification.elsewhere import elsewhere
-from identification.evidence import Ranked, probabilities, reweighed
+from identification.evidence import Ranked, reweighed
 from identification.fit import Fit, fit
 from identification.hypothesis import PlaceUnknown, free_place
-from identification.outcome import undecided
+from identification.outcome import members_of, undecided
 from identification.scene import is_same_place
 from identification.session import Session
 
@@ -36,7 +36,7 @@ def with_other_valleys(session: Session, base: Fit, ranked: list[Ranked]) -> lis
         base: the model without an effect more.
         ranked: the best first.
     """
-    doubted = _undecided(ranked)[:MOST_IN_DOUBT]
+    doubted = members_of(ranked)[:MOST_IN_DOUBT]
     if len(doubted) < 2:
         return ranked
     rows = [
@@ -63,7 +63,7 @@ def in_parts(session: Session, ranked: Sequence[Ranked], standing: Fit, index: i
         index: of the effect.
     """
     first = ranked[0]
-    if not (first.refitted and free_place(first.effect)) or len(_undecided(ranked)) > 1:
+    if not (first.refitted and free_place(first.effect)) or len(members_of(ranked)) > 1:
         return list(ranked)
     members = [row for where in _other_parts(standing, index) if (row := _held(session, first, where)) is not None]
     near = {id(row) for row, _ in undecided([first, *members], [1.0, *(0.0 for _ in members)])}
@@ -72,11 +72,6 @@ def in_parts(session: Session, ranked: Sequence[Ranked], standing: Fit, index: i
         return list(ranked)
     share = first.log_evidence - log(1.0 + len(members))
     return [replace(row, log_evidence=share) for row in (first, *members)] + list(ranked[1:])
-
-
-def _undecided(ranked: Sequence[Ranked]) -> list[Ranked]:
-    """The rows of a round that its records do not exclude."""
-    return [row for row, _ in undecided(ranked, probabilities([row.log_evidence for row in ranked]))]
 
 
 def _other_parts(standing: Fit, index: int) -> Iterator[float]:

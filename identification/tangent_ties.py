@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import isclose, log
+from math import isclose
 
 from identification.evidence import Ranked, misfit_in_common
 from identification.hypothesis import Hypothesis
-from identification.outcome import TELLABLE
+from identification.outcome import EXCLUDED_BY
 from models.ports import PointLaw
 
 LARGE_Q, LARGE_V, SMALLER = 1e-2, 1.0, 1e3
@@ -28,7 +28,7 @@ def tied(ranked: Sequence[Ranked]) -> list[Ranked]:
     if not ranked:
         return []
     least, scale = min(row.fit.cost for row in ranked if row.refitted), misfit_in_common(ranked)
-    alike = [row for row in ranked if row.refitted and row.fit.cost - least < 2.0 * scale * log(1.0 / TELLABLE)]
+    alike = [row for row in ranked if row.refitted and row.fit.cost - least < EXCLUDED_BY * scale]
     best = ranked[0].log_evidence
     level = [
         replace(row, log_evidence=best) for row in sorted(alike, key=lambda row: not is_linear(row.fit.hypothesis))

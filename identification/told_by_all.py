@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import inf, log
 
-from identification.evidence import Ranked, misfit_of, probabilities
+from identification.evidence import Ranked, misfit_in_common, misfit_of
 from identification.fit import Fit
-from identification.outcome import TELLABLE, undecided
+from identification.in_step import in_step
+from identification.outcome import EXCLUDED_BY, members_of
 from identification.session import Session
 
 
@@ -15,7 +15,8 @@ def told_by_all(session: Session, ranked: Sequence[Ranked], standing: Fit, index
 
     A round is judged on as much of the records as a search can afford. A member that fits all of them nearly as well as
     the model that stands is as it was; of another the chi-square and the evidence are those of all records: as far
-    behind the first one's as there.
+    behind the first one's as there. What sits in several parts, and what no fit to all records stands for, stays as it
+    was, and so does what was never refitted.
 
     Args:
         session: with the records.
@@ -24,50 +25,47 @@ def told_by_all(session: Session, ranked: Sequence[Ranked], standing: Fit, index
         index: of the round's effect in it.
     """
     first, rows = ranked[0], list(ranked)
-    members = [row for row, _ in undecided(ranked, probabilities([row.log_evidence for row in ranked]))]
-    doubtful = [row for row in members if row is not first and row.refitted and len(row.effect.parts()) == 1]
+    others = [row for row in members_of(ranked) if row is not first and row.refitted]
+    doubtful = [row for row in others if len(first.effect.parts()) == len(row.effect.parts()) == 1]
     if not doubtful or session.all_predicted.n_data <= session.fitting.n_data:
         return rows
-    ended = session.to_the_end(standing)
-    unit = misfit_of(ended)
+    ended, unit = session.to_the_end(standing), misfit_in_common(ranked)
     for row in doubtful:
-        found = _on_all(session, row, ended, index, ended.chi2 + EXCLUDED * unit)
-        if found is None or found < ended.chi2 + EXCLUDED * unit:
+        behind = _behind(session, row, ended, index)
+        if behind is None or behind < EXCLUDED_BY:
             continue
         session.decide(
             f"{row.effect.label()} explains {session.fitting.extent} as well as {first.effect.label()}, but not all "
             f"{session.all_predicted.extent}"
         )
-        behind = found - ended.chi2
-        fitted = replace(row.fit, chi2=first.fit.chi2 + behind)
-        evidence = min(row.log_evidence, first.log_evidence - 0.5 * behind / unit)
+        fitted = replace(row.fit, chi2=first.fit.chi2 + behind * unit)
+        evidence = min(row.log_evidence, first.log_evidence - 0.5 * behind)
         rows[rows.index(row)] = replace(row, fit=fitted, log_evidence=evidence)
     return [first, *sorted(rows[1:], key=lambda row: -row.log_evidence)]
 
 
-EXCLUDED = 2.0 * log(1.0 / TELLABLE)
-"""How much more chi-square, in units of the round's, a member leaves that is none (``outcome.undecided``)."""
-
-
-def _on_all(session: Session, row: Ranked, ended: Fit, index: int, enough: float) -> float | None:
-    """Chi-square of all records with a member in the place of the effect; None where no fit stands.
+def _behind(session: Session, row: Ranked, ended: Fit, index: int) -> float | None:
+    """Chi-square that all records leave more than with the effect that stands, in their unit; None where no fit stands.
 
     Args:
         session: with the records.
-        row: the member.
+        row: whose effect is put in the place of the one that stands.
         ended: the model that stands, fitted to all records.
         index: of the effect in it.
-        enough: chi-square below which no fit is needed.
     """
-    effects = (*ended.hypothesis.effects[:index], row.effect, *ended.hypothesis.effects[index + 1 :])
-    beside = replace(ended.hypothesis, effects=effects)
+    whole, effects = session.all_predicted, ended.hypothesis.effects
+    beside = replace(ended.hypothesis, effects=(*effects[:index], row.effect, *effects[index + 1 :]))
+    beside = in_step(whole, beside, (row.effect,))
     starts = [beside, replace(beside, values=row.fit.hypothesis.values)]
-    residuals = session.all_predicted.residuals([(start, None) for start in starts])
-    costs = [inf if residual is None else float(residual @ residual) for residual in residuals]
-    least = min(costs)
-    if least < enough or least == inf:
-        return least if least < inf else None
-    try:
-        return session.fit_of_all(starts[costs.index(least)]).chi2
-    except ArithmeticError:
+    residuals = whole.residuals([(start, None) for start in starts])
+    stand = [(float(left @ left), start) for left, start in zip(residuals, starts, strict=True) if left is not None]
+    if not stand:
         return None
+    least, start = min(stand, key=lambda pair: pair[0])
+    unit = misfit_of(ended)
+    if least - ended.chi2 >= EXCLUDED_BY * unit:
+        try:
+            least = session.fit_of_all(start).chi2
+        except ArithmeticError:
+            return None
+    return (least - ended.chi2) / unit

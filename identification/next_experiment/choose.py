@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import log, sqrt
+from math import sqrt
 
 import numpy as np
 
@@ -17,14 +17,14 @@ from identification.next_experiment.odds import expected_probability, present_pr
 from identification.next_experiment.planned import PlannedTest
 from identification.next_experiment.proposal import Option
 from identification.next_experiment.rivals import Rival
-from identification.outcome import TELLABLE
+from identification.outcome import EXCLUDED_BY
 from models.arrays import FloatArray
 from models.errors import InputError
 from models.simulate import Settings
 from models.simulators import simulator
 from models.simulators.protocol import Resolution
 
-DECISIVE, EXCLUDED = 0.95, sqrt(2.0 * log(1.0 / TELLABLE))
+DECISIVE, EXCLUDED = 0.95, sqrt(EXCLUDED_BY)
 """Probability of the right rival that settles a matter, and the separation, in standard deviations, at which
 the records themselves exclude a rival in the mean (``outcome.undecided``): of two that predict the same one may be as
 probable beforehand, and no test has settled that."""

@@ -90,15 +90,19 @@ def _refitted(seen: Forecast, rivals: Sequence[Rival], old: Evaluator, a: int, b
     beginnings = [new.cut(round(part * target.record.fs)) for part in WINDOWS if part < seconds]
     longer = [Against(old.with_targets([*old.targets, part]), right) for part in (*beginnings, new)]
     near, now = _beside(longer[-1], right, rivals[b], wrong), float(before @ before)
-    ends: list[Fit] = []
+    least = np.inf
     for start in (near, wrong):
-        ends += _followed(longer, start, unknowns)
-        if ends and (ends[-1].cost - now) / seen.unit < 1.0:
+        for end in _fitted_longer(longer, start, unknowns):
+            least = min(least, (end.chi2 - now) / seen.unit + end.penalty - rivals[b].fit.penalty)
+        if least < NO_DIFFERENCE:
             break
-    if not ends:
+    if least == np.inf:
         raise ArithmeticError("no fit of a rival finds its way through the new record")
-    after = min(ends, key=lambda end: end.cost)
-    return max(0.0, (after.chi2 - now) / seen.unit + after.penalty - rivals[b].fit.penalty)
+    return max(0.0, float(least))
+
+
+NO_DIFFERENCE = 1.0
+"""Square of a separation, in standard deviations, below which no other start is tried."""
 
 
 def _beside(both: Against, right: Hypothesis, rival: Rival, wrong: Hypothesis) -> Hypothesis:
@@ -130,7 +134,7 @@ WAYS = (-8.0, -4.0, -2.0, -1.0, 1.0, 2.0, 4.0, 8.0)
 """Standard deviations along it."""
 
 
-def _followed(longer: Sequence[Against], start: Hypothesis, unknowns: Sequence[Unknown]) -> list[Fit]:
+def _fitted_longer(longer: Sequence[Against], start: Hypothesis, unknowns: Sequence[Unknown]) -> list[Fit]:
     """The fit to the whole from ever longer beginnings, or from the last of them that it comes from."""
     starts = [start]
     for part in longer[:-1]:

@@ -36,7 +36,7 @@ def proposed_summary(cases: Sequence[Json]) -> Json:
     """
     done = [case for case in cases if "outcome" in case]
     tested = [case for case in done if "after" in case]
-    promised = [case for case in tested if _is_promised(case["proposal"])]
+    promised = [case for case in tested if promises_to_settle(case["proposal"])]
     return {
         "cases": len(cases),
         "failed": [{"case": case["case"], "failure": case["failure"]} for case in cases if case not in done],
@@ -47,8 +47,13 @@ def proposed_summary(cases: Sequence[Json]) -> Json:
     }
 
 
-def _is_promised(proposal: Json) -> bool:
-    return is_decisive(proposal["expected_probability"], proposal["separation"])
+def promises_to_settle(proposal: Json) -> bool:
+    """Whether a test was proposed, and promised to settle the matter.
+
+    Args:
+        proposal: as a diagnosis tells it; empty where there was none.
+    """
+    return is_decisive(proposal.get("expected_probability", 0.0), proposal.get("separation", 0.0))
 
 
 def _about(cases: Sequence[Json]) -> Json:

@@ -5,13 +5,12 @@ import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
-from identification.next_experiment.choose import is_decisive
 from identification.progress import Progress
 from models.errors import InputError
 from testbed.hidden_effects.crew import RunCase, Workers
 from testbed.hidden_effects.plan import Task
 from testbed.hidden_effects.proposed import run_proposed
-from testbed.hidden_effects.proposed_page import proposed_page, proposed_summary
+from testbed.hidden_effects.proposed_page import promises_to_settle, proposed_page, proposed_summary
 from testbed.hidden_effects.run import CASES, PAGE, SUMMARY, path_of, run_missing
 from testbed.hidden_effects.sets import SETS
 from testbed.outputs import Json, json_text, staged
@@ -40,15 +39,12 @@ def with_a_group(results: Path) -> tuple[Task, ...]:
             "name the folder that holds cases/ and summary.json, or run that benchmark first",
         )
     order = {seed: number for each in SETS.values() for number, seed in enumerate(each.batches, 1)}
-    # Last those of seeds put aside since.
-    grouped.sort(key=lambda case: (not _was_to_settle(case), -order.get(case["seed"], 0), case["case"]))
-    return tuple(Task(case["set"], case["seed"], case["kind"], case["number"]) for case in grouped)
 
+    def rank(case: Json) -> tuple[bool, int, str]:
+        promised = promises_to_settle(case["diagnosis"].get("next_experiment", {}))
+        return not promised, -order.get(case["seed"], 0), case["case"]  # last those of seeds put aside since
 
-def _was_to_settle(case: Json) -> bool:
-    """Whether the test that was proposed then promised to settle the matter."""
-    proposal = case["diagnosis"].get("next_experiment", {})
-    return is_decisive(proposal.get("expected_probability", 0.0), proposal.get("separation", 0.0))
+    return tuple(Task(case["set"], case["seed"], case["kind"], case["number"]) for case in sorted(grouped, key=rank))
 
 
 def run_next_experiments(
