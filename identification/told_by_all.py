@@ -7,6 +7,7 @@ from identification.evidence import Ranked, misfit_in_common, misfit_of
 from identification.fit import Fit
 from identification.in_step import in_step
 from identification.outcome import EXCLUDED_BY, members_of
+from identification.pieces import fit_from_own_starts
 from identification.session import Session
 
 
@@ -65,7 +66,7 @@ def _behind(session: Session, row: Ranked, ended: Fit, index: int) -> float | No
     unit = misfit_of(ended)
     if least - ended.chi2 >= EXCLUDED_BY * unit:
         try:
-            least = session.fit_of_all(start).chi2
+            least = fit_from_own_starts(whole, session.fit_of_all(start)).chi2
         except ArithmeticError:
             return None
     return (least - ended.chi2) / unit

@@ -124,14 +124,18 @@ def _beside(both: Against, right: Hypothesis, rival: Rival, wrong: Hypothesis) -
         return begun
     unknowns = tuple(rival.unknowns[i] for i in own)
     variance, axes = np.linalg.eigh(rival.axes[:, own].T @ rival.axes[:, own])
-    widest, here = axes[:, -1] * np.sqrt(max(float(variance[-1]), 0.0)), coordinates(begun, unknowns)
+    step = np.sqrt(np.clip(variance[-1], 0.0, WIDEST**2))
+    widest, here = step * axes[:, -1], coordinates(begun, unknowns)
     tried = [begun, *(at_coordinates(begun, unknowns, here + way * widest) for way in WAYS)]
     costs = [np.inf if row is None else float(row @ row) for row in both.residuals([(each, None) for each in tried])]
     return tried[int(np.argmin(costs))]
 
 
 WAYS = (-8.0, -4.0, -2.0, -1.0, 1.0, 2.0, 4.0, 8.0)
-"""Standard deviations along it."""
+"""Standard deviations along it, or steps of ``WIDEST`` where that is less."""
+
+WIDEST = 1.0
+"""In the unknowns' own coordinates: of numbers that nothing tells a standard deviation leads to the ends at once."""
 
 
 def _fitted_longer(longer: Sequence[Against], start: Hypothesis, unknowns: Sequence[Unknown]) -> list[Fit]:

@@ -58,7 +58,7 @@ def next_experiment(
         return Proposal("the same test at a higher level, or a time record", AT_REST_ONLY)
     bench = Bench.of(model.rig, session.everything.timed)
     for ranked, chances in rounds if verdict == "missing_effect" else ():
-        rivals = rivals_of(session.fitting, ranked, chances, session.progress)
+        rivals = rivals_of(ranked, chances)
         if len(rivals) > 1:
             session.progress(
                 f"weighing tests that could tell {' from '.join(rival.effect.label() for rival in rivals)}"

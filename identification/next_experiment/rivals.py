@@ -5,13 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from identification.evaluate import Evaluator
 from identification.evidence import Ranked, misfit_in_common
 from identification.fit import NOT_TOLD, Fit, prior_of
-from identification.hypothesis import Hypothesis, Unknown, at_coordinates, coordinates, effect_unknowns
-from identification.in_its_place import refit
+from identification.hypothesis import Hypothesis, Unknown, at_coordinates, coordinates
 from identification.outcome import undecided
-from identification.progress import Progress
 from models.arrays import FloatArray
 from models.effects import Effect
 
@@ -48,41 +45,18 @@ class Rival:
         return at_coordinates(self.hypothesis, self.unknowns, coordinates(self.hypothesis, self.unknowns) + along)
 
 
-def rivals_of(
-    fitting: Evaluator, ranked: Sequence[Ranked], chances: Sequence[float], progress: Progress
-) -> tuple[Rival, ...]:
-    """The rows of a round that its records do not exclude, the most probable first.
-
-    What was only sketched is refitted beside the first one's other effects; it is no rival where that excludes it, or
-    leaves the finite numbers.
+def rivals_of(ranked: Sequence[Ranked], chances: Sequence[float]) -> tuple[Rival, ...]:
+    """The rows of a round that its records do not exclude, the most probable first; what was only sketched is none.
 
     Args:
-        fitting: records to refit on.
         ranked: of the round, the best first.
         chances: probabilities of its rows.
-        progress: told what is being done.
     """
-    doubtful = sorted(undecided(ranked, chances), key=lambda pair: -pair[1])
-    rivals: list[Rival] = []
-    for row, chance in doubtful if len(doubtful) > 1 else ():
-        if len(rivals) == MOST_RIVALS:
-            break
-        member = row if row.refitted else _refitted(fitting, ranked[0], row.effect, progress)
-        if member is not None:
-            rivals.append(_rival(member, chance, misfit_in_common(ranked)))
-    return tuple(rivals)
-
-
-def _refitted(fitting: Evaluator, first: Ranked, effect: Effect, progress: Progress) -> Ranked | None:
-    """A fit of another effect in the first one's place; None where it fails or the records exclude it."""
-    progress(f"refitting {effect.label()}, which cannot be excluded, with all numbers on {fitting.extent}")
-    others = first.fit.hypothesis.without_effect(first.fit.hypothesis.effects.index(first.effect))
-    of_the_rest = tuple(unknown for unknown in first.fit.unknowns if getattr(unknown, "effect", -1) < 0)
-    base = replace(first.fit, unknowns=(*of_the_rest, *effect_unknowns(others)))
-    found = refit(fitting, base, others.with_effects(effect))
-    if found is None or len(undecided((first, member := Ranked.of(found)), (1.0, 0.0))) < 2:
-        return None
-    return member
+    doubtful = [pair for pair in undecided(ranked, chances) if pair[0].refitted]
+    if len(doubtful) < 2:
+        return ()
+    likeliest = sorted(doubtful, key=lambda pair: -pair[1])[:MOST_RIVALS]
+    return tuple(_rival(row, chance, misfit_in_common(ranked)) for row, chance in likeliest)
 
 
 def _rival(row: Ranked, chance: float, scale: float) -> Rival:

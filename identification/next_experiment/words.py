@@ -75,9 +75,9 @@ def in_vain(rivals: Sequence[str], best: Option | None) -> str:
     if best is None:
         return f"the records so far do not tell {named}, and no test within reach could be weighed"
     if best.separation < PARTED:
-        return f"no affordable test tells {named}: one of them may still do what another does in the best of them"
+        return f"no affordable test tells {named}: one of them may still do what another does in the best test"
     return (
-        f"no affordable test tells {named} for certain: in the best of them their predictions part by "
+        f"no affordable test tells {named} for certain: in the best test their predictions part by "
         f"{sigmas(best.separation)} standard deviations, and the right one is expected to have a probability of "
         f"{_sure(best.expected_probability)} afterwards"
     )

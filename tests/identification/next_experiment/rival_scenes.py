@@ -93,7 +93,7 @@ def group(truth, others, silent, sigma, *, seed=1, places=True):
     ranked = ranked_on(evaluator, [replace(truth, effects=(effect,)) for effect in others], places=places)
     chances = probabilities([row.log_evidence for row in ranked])
     bench = Bench.of(REFERENCE, evaluator.timed)
-    rivals = rivals_of(evaluator, ranked, chances, lambda _: None)
+    rivals = rivals_of(ranked, chances)
     return evaluator, ranked, chances, Question(bench, rivals, evaluator, max(1.0, ranked[0].fit.ratio))
 
 

@@ -76,25 +76,40 @@ def test_a_prediction_stands_for_what_was_measured():
     assert other == pytest.approx(-straight)
 
 
-def test_a_law_that_holds_the_right_one_within_it_begins_where_it_does_what_that_does(monkeypatch):
-    """Friction that slips as fast as nothing moved so far is a dashpot."""
+def dashpot_and_friction():
+    """Rivals of which the second slips as fast as nothing moved so far, which a dashpot is; and the old records."""
     rig, sigma = oscillator("displacement"), 1e-6
     given = bench_of(rig, sigma)
     silent = steady(given, COSTS, 1.0, given.band, "level").record("old", given.sensors, 4.0)
     truth = Hypothesis(rig, effects=(PointDamping(Place(), damping=0.5),))
     old = Evaluator([heard(truth, silent, sigma, 1)], 1)
     friction = Hypothesis(rig, effects=(CoulombFriction(Place(), friction_force=0.025, slip_velocity=0.05),))
-    dashpot, rubs = rivals_of(old, ranked_on(old, [truth, friction], places=False), [0.5, 0.5], lambda _: None)
-    # As if its slip velocity were known ten times as well as it is: no slope tells how far it goes.
-    rivals, bench = [dashpot, replace(rubs, axes=0.1 * rubs.axes)], Bench.of(rig, old.timed)
-    seen = followed(forecast(bench, rivals, steady(bench, COSTS, 10.0, bench.band, "level"), 1.0, Settings(), 1))
-    starts = []
+    return rivals_of(ranked_on(old, [truth, friction], places=False), [0.5, 0.5]), old
+
+
+def seen_louder(rivals, old):
+    bench = Bench.of(rivals[0].hypothesis.rig, old.timed)
+    return followed(forecast(bench, rivals, steady(bench, COSTS, 10.0, bench.band, "level"), 1.0, Settings(), 1))
+
+
+@pytest.fixture
+def starts(monkeypatch):
+    """Where the fits begin."""
+    begun = []
 
     def seen_from(against, start, *others, **more):
-        starts.append(start)
+        begun.append(start)
         return fit(against, start, *others, **more)
 
     monkeypatch.setattr(confirm, "fit", seen_from)
+    return begun
+
+
+def test_a_law_that_holds_the_right_one_within_it_begins_where_it_does_what_that_does(starts):
+    (dashpot, rubs), old = dashpot_and_friction()
+    # As if its slip velocity were known ten times as well as it is: no slope tells how far it goes.
+    rivals = [dashpot, replace(rubs, axes=0.1 * rubs.axes)]
+    seen = seen_louder(rivals, old)
 
     slopes = explained_away(seen, rivals)
     found = confirmed(seen, rivals, old, slopes)
@@ -105,3 +120,15 @@ def test_a_law_that_holds_the_right_one_within_it_begins_where_it_does_what_that
     assert slopes[0, 1, 1] > 25.0
     assert found[0, 1, 1] < 4.0
     assert found[1, 0, 0] > 9.0  # a dashpot never rubs
+
+
+def test_a_number_that_nothing_tells_is_moved_by_its_own_unit(starts):
+    """A standard deviation would lead to its end, and past all that the right law does."""
+    (dashpot, rubs), old = dashpot_and_friction()
+    rivals = [dashpot, replace(rubs, axes=1e3 * rubs.axes)]
+    seen = seen_louder(rivals, old)
+
+    confirmed(seen, rivals, old, explained_away(seen, rivals))
+
+    (begun,) = starts[0].effects
+    assert 1.5 < begun.slip_velocity / rubs.effect.slip_velocity < 1e4

@@ -7,9 +7,8 @@ import pytest
 from rival_scenes import SIGMA, bench_of, built, ranked_on
 
 from identification.evaluate import Evaluator
-from identification.evidence import Ranked, misfit_in_common
-from identification.fit import fit
-from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
+from identification.evidence import misfit_in_common
+from identification.hypothesis import Hypothesis
 from identification.locating.located import Located
 from identification.next_experiment.advice import CHAOTIC, LOWER
 from identification.next_experiment.candidates import steady
@@ -25,7 +24,6 @@ from identification.result import ErrorMap, MissingForce
 from identification.session import Session
 from models.effects import EFFECTS, Place
 from models.effects.cubic_stiffness import CubicStiffness
-from models.effects.sensor_delay import SensorDelay
 from models.effects.sensor_gain import SensorGain
 from tests.identification.trial_records import REFERENCE, evaluator_of, measured, multisine, oscillator
 
@@ -154,62 +152,19 @@ def test_a_group_is_told_apart_by_a_weighed_test():
     assert told.present_probability < told.best.expected_probability
 
 
-def sketched_beside(stands, *, at):
-    """An evaluator, a model that stands, its effect at this place first in its round, and a rival fitted badly."""
-    rig = oscillator("displacement")
-    cubic = CubicStiffness(Place(), stiffness=3.0 * rig.structure.stiffness / 1e-3**2)
-    _, evaluator = oscillators_record(Hypothesis(rig), rms=2.0)  # neither is there: both are near to nothing
-    unknowns = (*rig_unknowns(rig), *effect_unknowns(Hypothesis(rig, effects=stands)))
-    first = Ranked.of(fit(evaluator, Hypothesis(rig, effects=stands), unknowns, precise=True), at)
-    (far,) = ranked_on(evaluator, [Hypothesis(rig, effects=(cubic,))])
-    begun = replace(far.fit, hypothesis=Hypothesis(rig, effects=(cubic,)), chi2=9.0 * far.fit.chi2)
-    return evaluator, [first, replace(far, effect=cubic, fit=begun, refitted=False)], far.fit.chi2
-
-
 GAIN = SensorGain(Place(sensor="top"), gain=1.1)
 
 
-def test_a_member_that_was_only_sketched_is_fitted_and_weighed():
-    evaluator, rows, least = sketched_beside((GAIN,), at=0)
-    said = []
+def test_only_fitted_members_in_doubt_are_rivals():
+    rig = oscillator("displacement")
+    _, evaluator = oscillators_record(rms=2.0)  # nothing is there
+    (first,) = ranked_on(evaluator, [Hypothesis(rig, effects=(GAIN,))])
+    sketch, other = replace(first, refitted=False), replace(first)
+    far = replace(first, fit=replace(first.fit, chi2=first.fit.chi2 + 9.0 * misfit_in_common([first])))
 
-    first, other = rivals_of(evaluator, rows, [0.6, 0.4], said.append)
-    told = next_experiment(session_of(evaluator), "missing_effect", [(rows, [0.6, 0.4])], rows[0].fit.hypothesis)
-
-    assert first.fit is rows[0].fit
-    assert other.fit.chi2 == pytest.approx(least, rel=0.01)
-    assert len(said) == 1
-    assert [effect.kind for effect in told.rivals] == ["sensor_gain", "cubic_stiffness"]
-    assert rivals_of(evaluator, rows, [0.99, 0.01], said.append) == ()  # not in doubt
-    assert len(said) == 1
-
-
-def test_what_stood_beside_the_first_stands_beside_the_sketched_wherever_the_first_comes_in_order():
-    delay = SensorDelay(Place(sensor="top"), delay=3e-4)
-    evaluator, rows, _ = sketched_beside((GAIN, delay), at=0)
-
-    _, again = rivals_of(evaluator, rows, [0.6, 0.4], lambda _: None)
-
-    assert [effect.kind for effect in again.fit.hypothesis.effects] == ["sensor_delay", "cubic_stiffness"]
-    assert {unknown.effect for unknown in again.fit.unknowns if hasattr(unknown, "effect")} == {0, 1}
-
-
-def test_a_sketch_that_diverges_takes_no_others_place(monkeypatch):
-    evaluator, (first, sketch), _ = sketched_beside((GAIN,), at=0)
-    monkeypatch.setattr("identification.next_experiment.rivals.refit", lambda *_: None)
-    rows, chances = [first, sketch, replace(sketch), replace(sketch), replace(first)], [0.3, 0.2, 0.2, 0.2, 0.1]
-
-    assert [rival.chance for rival in rivals_of(evaluator, rows, chances, lambda _: None)] == [0.3, 0.1]
-
-
-def test_a_sketch_that_its_refit_excludes_is_no_rival(monkeypatch):
-    evaluator, (first, sketch), _ = sketched_beside((GAIN,), at=0)
-    refits = iter([replace(first.fit, chi2=first.fit.chi2 + more * misfit_in_common([first])) for more in (7.0, 8.5)])
-    monkeypatch.setattr("identification.next_experiment.rivals.refit", lambda *_: next(refits))
-
-    rivals = rivals_of(evaluator, [first, sketch, replace(sketch)], [0.4, 0.35, 0.25], lambda _: None)
-
-    assert [rival.chance for rival in rivals] == [0.4, 0.35]  # 2 log 50 = 7.8
+    assert [rival.chance for rival in rivals_of([first, sketch, other], [0.5, 0.3, 0.2])] == [0.5, 0.2]
+    assert rivals_of([first, sketch], [0.6, 0.4]) == ()
+    assert rivals_of([first, far], [0.99, 0.01]) == ()
 
 
 @pytest.mark.parametrize(
