@@ -8,7 +8,8 @@ from typing import Any
 from models.effects import EFFECTS, Effect
 from models.errors import InputError
 from models.rig_checks import nearest
-from testbed.hidden_effects.sets import SETS
+from testbed.hidden_effects.outside import OUTSIDE_LAWS
+from testbed.hidden_effects.sets import SETS, Batch
 
 NOTHING, TWO, OUTSIDE = "nothing", "two", "outside"
 """Classes besides the kinds of the library: no effect, two of them, a law that the library does not hold."""
@@ -77,15 +78,19 @@ def planned(case_set: str, cases: int, only: Sequence[str] = ()) -> tuple[Task, 
     order = (
         Task(case_set, seed, kind, number)
         for seed, batch in SETS[case_set].batches.items()
-        for kind, number in islice(_order(), batch.cases)
+        for kind, number in islice(_order(batch), batch.cases)
         if not only or kind in only
     )
     return tuple(islice(order, cases))
 
 
-def _order() -> Iterator[tuple[str, int]]:
-    kinds = tuple(KINDS)
+def _order(batch: Batch) -> Iterator[tuple[str, int]]:
+    kinds, laws = tuple(KINDS), [law.kind for law in OUTSIDE_LAWS]
+    first = kinds.index(batch.first_kind) if batch.first_kind else 0
+    kinds = (*kinds[first:], *kinds[:first])
     drawn = dict.fromkeys((NOTHING, ONE, TWO, OUTSIDE), 0)
+    if batch.first_law:
+        drawn[OUTSIDE] = laws.index(batch.first_law)
     for place in count():
         group = PATTERN[place % len(PATTERN)]
         number = drawn[group]

@@ -52,6 +52,7 @@ def summary_of(cases: Sequence[Json], case_set: str) -> Json:
             "seeds": sorted({case["seed"] for case in newest}),
             "bars": bars_of(reached_newest),
             "laws_alike": reached_newest["laws_alike"],
+            "kinds_alike": reached_newest["kinds_alike"],
         },
         "failed": [{"case": case["case"], "failure": case["failure"]} for case in cases if "judged" not in case],
         **reached,
@@ -94,6 +95,7 @@ def reached_over(cases: Sequence[Json]) -> Json:
         "cases": len(cases),
         **{name: row_of(group) for name, group in _by_class(cases).items()},
         "laws_alike": laws_alike(cases),
+        "kinds_alike": kinds_alike(cases),
         "numbers": numbers(done),
         "held_out": held_out([c for c in done if class_of(c) != CLASSES[OUTSIDE]]),
         "seconds": seconds(done),
@@ -103,13 +105,27 @@ def reached_over(cases: Sequence[Json]) -> Json:
 def laws_alike(cases: Sequence[Json]) -> Json:
     """Share of the laws outside the library that are called ``unexplained``, each law counted alike.
 
-    Every batch begins with the same law, so that short ones hold more of the first laws than of the last.
+    Batches that all begin with the same law hold more of it than of the last, where they are short.
 
     Args:
         cases: of any class.
     """
     rows = [row_of(group) for group in _by_law([case for case in cases if class_of(case) == CLASSES[OUTSIDE]]).values()]
-    return {"laws": len(rows), "share": float(np.mean([row["right_share"] for row in rows])) if rows else None}
+    return {"laws": len(rows), "share": _mean_of(rows, "right_share")}
+
+
+def kinds_alike(cases: Sequence[Json]) -> Json:
+    """Shares of single effects that come first, or stand in the stated group, each kind counted alike.
+
+    Args:
+        cases: of any class.
+    """
+    rows = [row_of(group) for group in _by([case for case in cases if class_of(case) == ONE], "kind").values()]
+    return {"kinds": len(rows), **{key: _mean_of(rows, f"{key}_share") for key in ("right", "in_group")}}
+
+
+def _mean_of(rows: Sequence[Json], key: str) -> float | None:
+    return float(np.mean([row[key] for row in rows])) if rows else None
 
 
 def shown(cases: Sequence[Json]) -> Json:

@@ -81,6 +81,8 @@ class Batch:
         taught: what their misses taught; empty where nothing was learnt from them yet.
         keeps: whether of every probability something was kept for what was not judged (``identification.outcome``).
         run: what a reader must know of how it was run; a sentence.
+        first_kind, first_law: of the library and outside of it, with which its cases begin; the first there are where
+            it is not said.
     """
 
     diagnosis: str
@@ -88,6 +90,8 @@ class Batch:
     taught: str = ""
     keeps: bool = True
     run: str = ""
+    first_kind: str = ""
+    first_law: str = ""
 
 
 @dataclass(frozen=True)
@@ -323,7 +327,7 @@ REPORTED = CaseSet(
             run="Ended when a second search, in pieces of the records, had come to the diagnosis: the next seed "
             "judges that.",
         ),
-        34403: Batch("2e4a9e5"),
+        35507: Batch("1150c5b", first_kind="absorber", first_law="fading_friction"),
     },
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),
@@ -410,6 +414,7 @@ BEFORE = {
     10271: (36, "two effects that stood for one"),
     23131: (10, "all right, but slow where the true rig makes more of the force's noise than the given one"),
     24419: (6, "nothing: all right, and stopped to mend what a new user and an acceptance reading had found"),
+    34403: (11, "nothing: all right, and put aside for a batch that does not begin with the same kinds again"),
 }
 """Reported batches of earlier diagnoses, which do not count: seed -> (cases, what they taught)."""
 

@@ -252,6 +252,15 @@ def test_laws_outside_the_library_count_alike_however_often_they_are_drawn():
     assert "Each of the 2 laws outside the library counted alike, 50.0% are" in page_of(summary, {}, "testbed")
 
 
+def test_kinds_count_alike_however_often_they_are_drawn():
+    cases = [made_up("clearance", n, right=False) for n in range(3)] + [made_up("point_mass", 0)]
+    summary = summary_of(cases, "reported")
+
+    assert summary["kinds_alike"] == {"kinds": 2, "right": 0.5, "in_group": 0.5}
+    assert summary["newest"]["kinds_alike"] == summary["kinds_alike"]
+    assert "Each of the 2 kinds counted alike, 50.0% of single effects are right" in page_of(summary, {}, "testbed")
+
+
 def test_the_page_says_how_large_errors_have_come_out():
     cases = [made_up("point_mass", n, ratio=ratio) for n, ratio in enumerate((1.5, 8.0, 40.0))]
     summary = summary_of([*cases, made_up("nothing", 0, ratio=1.0)], "reported")
