@@ -7,7 +7,16 @@ from identification.reached import NOISE_REACHED
 from testbed.hidden_effects.bars import ENOUGH, ENOUGH_NOTHING, interval_of, threads_of
 from testbed.hidden_effects.judge import LARGEST_GROUP, NEAR
 from testbed.hidden_effects.plan import NOTHING, OUTSIDE
-from testbed.hidden_effects.scores import CLASSES, FAR, LOCATED_ANEW, ONE, STAGES, TAUGHT_UNTIL, beliefs_of
+from testbed.hidden_effects.scores import (
+    CLASSES,
+    FAR,
+    LATER_TAUGHT_UNTIL,
+    LOCATED_ANEW,
+    ONE,
+    STAGES,
+    TAUGHT_UNTIL,
+    beliefs_of,
+)
 from testbed.hidden_effects.sets import BEFORE, FEW, MANY, MOST, REPORTED, SETS, Batch
 from testbed.hidden_effects.trials import MOST_AMPLIFICATION, MOST_GROWTH
 from testbed.outputs import Json
@@ -63,9 +72,9 @@ It was so in the first batches: since then a share of every probability is kept 
 since then are told apart from those before. Up to seed {TAUGHT_UNTIL} and in the next it was {UNTRIED:.0%} of all;
 since then it is {UNTRIED_BEYOND:.0%} where the model that stands leaves more than {NOISE_REACHED:g} times the noise,
 and {UNTRIED_MISSED:.0%} where what was learnt does not hold on the record held out. Of an effect that was added beside
-another no more was kept. The last table agrees with that where the noise is reached, and not where it is not, by five
-effects of four cases. The diagnosis of today keeps {UNTRIED_LATER:.0%} and {UNTRIED_LATER_BEYOND:.0%} of such an
-effect.
+another no more was kept up to seed {LATER_TAUGHT_UNTIL}, which agrees with the last table where the noise is reached,
+and not where it is not, by five effects of four cases; since then {UNTRIED_LATER:.0%} and {UNTRIED_LATER_BEYOND:.0%}
+are kept of such an effect.
 """
 
 FARTHEST = f"""\
@@ -253,12 +262,13 @@ def _added_later(rows: list[Json]) -> Iterator[str]:
     """How often an effect that was added beside another is there."""
     yield "Of effects that were added beside another, in batches that keep a share:"
     yield ""
-    yield from _heads(("left", "believed, mean", "there", "of", "95 % interval of the share there"))
-    for row in rows:
+    yield from _heads(("batches", "left", "believed, mean", "there", "of", "95 % interval of the share there"))
+    for row in (row for row in rows if row["cases"]):
+        batches = "that taught it" if row["taught"] else "since"
         left = f"{'at most' if row['met'] else 'more than'} {NOISE_REACHED:g} times the noise"
-        believed = "" if row["believed"] is None else f"{row['believed']:.3f}"
-        interval = "{:.2f} to {:.2f}".format(*interval_of(row["right"], row["cases"])) if row["cases"] else ""
-        yield f"| {left} | {believed} | {row['right']} | {row['cases']} | {interval} |"
+        believed = f"{row['believed']:.3f}"
+        interval = "{:.2f} to {:.2f}".format(*interval_of(row["right"], row["cases"]))
+        yield f"| {batches} | {left} | {believed} | {row['right']} | {row['cases']} | {interval} |"
 
 
 def _rows(summary: Json) -> Iterator[str]:

@@ -2,7 +2,7 @@
 
 from collections import Counter, defaultdict
 from collections.abc import Sequence
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 
@@ -245,14 +245,17 @@ def added_later(cases: Sequence[Json]) -> list[Json]:
         cases: in which an effect was named.
     """
     rows = []
-    for met in (True, False):
-        some = [case for case in cases if _reaches(case) == met]
+    for taught, met in product((True, False), (True, False)):
+        some = [case for case in cases if (case["seed"] <= LATER_TAUGHT_UNTIL) == taught and _reaches(case) == met]
         later = [row for case in some for row in list(zip(_chances(case), _there(case), strict=True))[1:]]
+        there = {"right": sum(is_there for _, is_there in later), "cases": len(later)}
         believed = float(np.mean([chance for chance, _ in later])) if later else None
-        rows.append(
-            {"met": met, "believed": believed, "right": sum(is_there for _, is_there in later), "cases": len(later)}
-        )
+        rows.append({"taught": taught, "met": met, "believed": believed, **there})
     return rows
+
+
+LATER_TAUGHT_UNTIL = 33301
+"""Seed of the last of the batches from which the shares were taken that are kept of an effect beside another."""
 
 
 def _chances(case: Json) -> list[float]:

@@ -225,10 +225,11 @@ def test_an_effect_that_was_added_beside_another_is_believed_and_there_or_not():
         case["judged"]["verdict"] = "missing_effect"
         case["diagnosis"]["effects"] = [first, {"kind": "sensor_gain", "sensor": sensor, "probability": 0.9}]
 
-    met, beyond = summary_of([both, one, made_up("nothing", 0)], "reported")["added_later"]
+    *taught, met, beyond = summary_of([both, one, made_up("nothing", 0)], "reported")["added_later"]
 
-    assert met == {"met": True, "believed": pytest.approx(0.9), "right": 1, "cases": 2}
-    assert beyond == {"met": False, "believed": None, "right": 0, "cases": 0}
+    assert met == {"taught": False, "met": True, "believed": pytest.approx(0.9), "right": 1, "cases": 2}
+    assert beyond == {"taught": False, "met": False, "believed": None, "right": 0, "cases": 0}
+    assert [row["cases"] for row in taught] == [0, 0]
 
 
 def test_of_a_law_outside_the_library_nothing_that_was_added_is_there():
@@ -236,7 +237,7 @@ def test_of_a_law_outside_the_library_nothing_that_was_added_is_there():
     name = {"kind": "one_sided_stop", "position": 0.5, "probability": 0.97}
     case["diagnosis"]["effects"] = [name, name]
 
-    met, _ = summary_of([case], "reported")["added_later"]
+    *_, met, _ = summary_of([case], "reported")["added_later"]
 
     assert (met["right"], met["cases"]) == (0, 1)
 
