@@ -22,7 +22,6 @@ from identification.locating.beside import BesideRun, runs_beside
 from identification.locating.locate import locate
 from identification.locating.located import Located
 from identification.maps import error_map
-from identification.members import with_members_fitted
 from identification.missing_force import forces_of
 from identification.next_experiment.propose import next_experiment
 from identification.outcome import (
@@ -39,7 +38,6 @@ from identification.prepare import cut_to
 from identification.result import Diagnosis, Stage, Verdict
 from identification.session import Session
 from identification.together import wholly_off
-from identification.told_by_all import told_by_all
 from identification.unstrained import moved_back, unstrained
 from models.simulate import Settings, Trace
 
@@ -120,8 +118,7 @@ def concluded(
     rounds = [distinct(ranked) for ranked in rounds]
     standing_effects = len(final.hypothesis.effects)
     for i, ranked in enumerate(rounds[:standing_effects]):
-        fitted = with_members_fitted(session, ranked)
-        rounds[i] = in_parts(session, told_by_all(session, fitted, final, i), polished, i)
+        rounds[i] = in_parts(session, ranked, polished, i)
     first = rounds[0] if rounds else []
     chances = probabilities([r.log_evidence for r in first] + [_nothing(first, final)]) if first else []
     later = [(ranked, probabilities([r.log_evidence for r in ranked])) for ranked in rounds[1:] if ranked]

@@ -1,6 +1,6 @@
 """Once round the loop: compare, see where it fails, learn what is missing, add it, and watch the error fall."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from time import perf_counter
@@ -32,7 +32,7 @@ from identification.fit import Fit, fit
 from identification.followed_again import begin_again, fails_in_pieces, go_on
 from identification.hypothesis import Hypothesis
 from identification.in_all_sleeves import fallen_apart, in_all_sleeves
-from identification.instead import instead_of, within_tolerances
+from identification.instead import Instead, instead_of, likelier_by_all, within_tolerances
 from identification.kept_aside import KeptAside, kept_aside
 from identification.outcome import AT_REST_ONLY
 from identification.prepare import cut_to, horizons, prepare
@@ -44,6 +44,7 @@ from identification.rounds import look_round, told_apart, with_other_starts
 from identification.session import Session
 from identification.sight import beginnings_of, explained_beginning, refitted_from, shorten
 from identification.together import wholly_off
+from identification.told_by_all import told_by_all
 from identification.unstrained import unstrained
 from models.effects import EFFECTS, Registry
 from models.record import AnyRecord
@@ -176,15 +177,15 @@ def _looked_again(
     session: Session, search: Callable[[list[Fit]], _Found], stages: list[Stage], found: _Found
 ) -> _Found:
     """What is found from the calibrated model on with pieces of the records; what was found, where a motion is lost."""
-    before = session.without_pieces, list(stages)
+    before, staged = session.before_pieces(), [*stages]
     try:
         chain = fitted_again(session, found.chain[:1])
         stages[1:] = [session.stage("calibrated", chain[0].hypothesis)]
         return search(chain)
     except ArithmeticError:
         session.decide("a motion leaves the finite numbers there: what was found before stands")
-        session.fitting, session.pieces = before[0], ()
-        stages[:] = before[1]
+        session.back_to(before)
+        stages[:] = staged
         return found
 
 
@@ -297,8 +298,8 @@ def _ended(
 
     An effect whose size these intervals do not tell from none, or whose law or place they do not tell, is taken out,
     with its round. Before that, a law or a place gives way to a simpler law of its round that explains as much, and a
-    size, beside a number at the end of its tolerance, to a law that needs none there. The last round stays where it is
-    needed to show what was weighed.
+    size, beside a number at the end of its tolerance, to a law that needs none there. What is established gives way to
+    what all records make more probable. The last round stays where it is needed to show what was weighed.
     """
     taken_out, looked = False, bool(rounds)
     final, weighed, asked = chain[-1], rounds[:1], [set[str]() for _ in rounds]
@@ -307,22 +308,25 @@ def _ended(
         final = final if verdict == "missing_effect" else chain[0]
         last = settled(session, final)
         doubted = in_doubt(session, chain[0], final, last)
-        if verdict != "missing_effect" or doubted is None:
-            if verdict != "missing_effect" and not rounds:
-                rounds += weighed
+        if verdict != "missing_effect":
+            rounds += [] if rounds else weighed
             return verdict, final, last
+        if doubted is None:
+            likelier = _likelier(session, chain[0], final, rounds, asked)
+            if likelier is None or not _exchanged_for(session, stages, final, *likelier):
+                return verdict, final, last
+            index, other = likelier
+            asked[index].add(final.hypothesis.effects[index].kind)
+            final, rounds[index] = other.fit, other.ranked
+            continue
         index, why = doubted
         effect = final.hypothesis.effects[index]
         asked[index].add(effect.kind)
         look = within_tolerances if why == NO_SIZE else instead_of
-        other = look(session, chain[0], final, index, rounds[index], asked[index])
-        if other is not None:
-            now = other.fit.hypothesis.effects[index]
-            label = f"{effect.label()} exchanged for {now.label()}"
-            if _staged(session, stages, label, other.fit):
-                final, rounds[index] = other.fit, other.ranked
-                session.decide(f"{label}, {other.words}: {why}; {now.in_words()}")
-                continue
+        instead = look(session, chain[0], final, index, rounds[index], asked[index])
+        if instead is not None and _exchanged_for(session, stages, final, index, instead, why):
+            final, rounds[index] = instead.fit, instead.ranked
+            continue
         session.decide(f"{effect.label()} taken out again: {why}")
         taken_out = True
         label, less = f"- {effect.label()}", fit_without(session, chain[0], final, index)
@@ -334,6 +338,30 @@ def _ended(
         weighed = [rounds.pop(index)]
         asked.pop(index)
         del rounds[len(final.hypothesis.effects) :]  # what was weighed beside it and not taken
+
+
+def _likelier(
+    session: Session, calibrated: Fit, final: Fit, rounds: list[list[Ranked]], asked: Sequence[Collection[str]]
+) -> tuple[int, Instead] | None:
+    """The first effect before whom all records put another, and that; the rounds are held against all records."""
+    for index, kinds in enumerate(asked[: len(final.hypothesis.effects)]):
+        rounds[index] = told_by_all(session, rounds[index], final, index)
+        other = likelier_by_all(session, calibrated, final, index, rounds[index], kinds)
+        if other is not None:
+            return index, other
+    return None
+
+
+def _exchanged_for(
+    session: Session, stages: list[Stage], final: Fit, index: int, other: Instead, why: str = ""
+) -> bool:
+    """Whether another law takes an effect's place as the next stage, told."""
+    now = other.fit.hypothesis.effects[index]
+    label = f"{final.hypothesis.effects[index].label()} exchanged for {now.label()}"
+    done = _staged(session, stages, label, other.fit)
+    if done:
+        session.decide(f"{label}, {other.words}{why and ': '}{why}; {now.in_words()}")
+    return done
 
 
 def _open(

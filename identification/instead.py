@@ -1,4 +1,4 @@
-"""Another law in the place of one that is not established, where it explains the records as well, or well enough.
+"""Another law in the place of one that is not established, or of one that all records make less probable.
 
 A law with more numbers bends itself to what a simpler one does, and then the records tell none of them. Taken out, it
 leaves all of the misfit again; but what it stood for was weighed beside it, in the same round. There only what has
@@ -20,6 +20,7 @@ from identification.session import Session
 
 AS_WELL = "which explains the records as well"
 WITHIN = "with which the noise is reached and no number of the rig leaves its tolerance"
+LIKELIER = "which all records make more probable"
 """What speaks for the other law."""
 
 
@@ -96,6 +97,35 @@ def within_tolerances(
         if now is not None and is_enough(session, now) and _holds_throughout(session, now):
             return Instead(now, _put_first(row, now, index, ranked, asked), WITHIN)
     return None
+
+
+def likelier_by_all(
+    session: Session, calibrated: Fit, found: Fit, index: int, ranked: Sequence[Ranked], asked: Collection[str]
+) -> Instead | None:
+    """The most probable law of an effect's round, where all records have put it before the one that stands, or None.
+
+    Args:
+        session: with the records.
+        calibrated: the model without effects, for its unknowns.
+        found: with the effect.
+        index: of that effect.
+        ranked: its round, held against all records (``told_by_all``).
+        asked: kinds that have stood in its place.
+    """
+    for row in sorted(ranked[1:], key=lambda each: -each.log_evidence):
+        if row.log_evidence - ranked[0].log_evidence < log(LIKELIER_BY):
+            break
+        if row.whole is None or row.effect.kind in asked:
+            continue
+        now = fit_at(session, calibrated, row.whole)
+        if comes_as_near(session.to_the_end(now), session.to_the_end(found)):
+            there = replace(now, chi2=row.fit.chi2)  # that of all records, as of the others
+            return Instead(now, _put_first(row, there, index, ranked, asked), LIKELIER)
+    return None
+
+
+LIKELIER_BY = 2.0
+"""Odds by which another law takes the place of the one that stands; with less, both are members of a group."""
 
 
 def _holds_throughout(session: Session, now: Fit) -> bool:

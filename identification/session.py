@@ -236,6 +236,19 @@ class Session:
         """What is fitted but for pieces."""
         return self.fitting.with_targets([each for each in self.fitting.targets if not isinstance(each, Piece)])
 
+    def before_pieces(self) -> "Session":
+        """What it was before pieces were followed."""
+        return replace(self, fitting=self.without_pieces, pieces=(), limits=[*self.limits])
+
+    def back_to(self, before: "Session") -> None:
+        """What is fitted, its noise and how far records are followed as they were; what was decided since stays told.
+
+        Args:
+            before: of this session.
+        """
+        self.everything, self.fitting, self.limits = before.everything, before.fitting, before.limits
+        self.relearnt, self.is_passing, self.pieces = before.relearnt, before.is_passing, before.pieces
+
     def shorten_to(self, hypothesis: Hypothesis) -> bool:
         """Fit no more of any record from now on than this model predicts, if that is clearly less; whether it is.
 

@@ -2,34 +2,38 @@
 
 from dataclasses import replace
 
-from trial_records import OSCILLATOR, rising_session
+import pytest
+from trial_records import OSCILLATOR, evaluator_of, measured, multisine, oscillator, rising_session
 
-from identification.evidence import Ranked, probabilities
+from identification import told_by_all as subject
+from identification.evidence import Ranked, misfit_in_common, probabilities
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
-from identification.outcome import groups_of
-from identification.told_by_all import told_by_all
-from models.effects import Place
+from identification.instead import likelier_by_all
+from identification.outcome import groups_of, members_of
+from identification.prepare import Horizon
+from identification.session import Session
+from identification.told_by_all import MOST_HELD, told_by_all
+from models.effects import EFFECTS, Place
 from models.effects.cubic_stiffness import CubicStiffness
 from models.effects.quadratic_stiffness import QuadraticStiffness
 from models.effects.sensor_delay import SensorDelay
+from models.effects.sensor_gain import SensorGain
 
 HARDER = CubicStiffness(Place(), stiffness=0.3 * OSCILLATOR.structure.stiffness / 1e-3**2)
 BENT = QuadraticStiffness(Place(), stiffness=1e-3 * OSCILLATOR.structure.stiffness / 1e-3)
-
-
 LATE = SensorDelay(Place(sensor="top"), delay=4e-4)
 
 
-def with_both(truth, beside=()):
+def with_both(truth, beside=(), laws=(HARDER, BENT)):
     """A session that has fitted the first second of four, and a round in which two laws explain it alike."""
-    session, _ = rising_session(Hypothesis(OSCILLATOR, effects=(*beside, *truth)), 1.0)
+    session, calibrated = rising_session(Hypothesis(OSCILLATOR, effects=(*beside, *truth)), 1.0)
     found = []
-    for effect in (HARDER, BENT):
+    for effect in laws:
         model = Hypothesis(OSCILLATOR, effects=(*beside, effect))
         unknowns = (*rig_unknowns(OSCILLATOR), *effect_unknowns(model))
         found.append(Ranked.of(fit(session.fitting, model, unknowns, precise=True)))
-    return session, [found[0], replace(found[1], log_evidence=-0.5)]
+    return session, calibrated, [found[0], replace(found[1], log_evidence=-0.5)]
 
 
 def is_open(ranked):
@@ -37,7 +41,7 @@ def is_open(ranked):
 
 
 def test_a_law_that_fits_the_beginning_alone_is_no_member_any_more():
-    session, ranked = with_both((HARDER,))
+    session, _, ranked = with_both((HARDER,))
     assert is_open(ranked)
 
     rows = told_by_all(session, ranked, ranked[0].fit, 0)
@@ -49,7 +53,7 @@ def test_a_law_that_fits_the_beginning_alone_is_no_member_any_more():
 
 
 def test_a_law_is_held_against_all_of_them_in_the_place_of_its_own_rounds_effect():
-    session, ranked = with_both((HARDER,), beside=(LATE,))
+    session, _, ranked = with_both((HARDER,), beside=(LATE,))
     assert is_open(ranked)
 
     rows = told_by_all(session, ranked, ranked[0].fit, 1)
@@ -57,31 +61,140 @@ def test_a_law_is_held_against_all_of_them_in_the_place_of_its_own_rounds_effect
     assert not is_open(rows)
 
 
+def test_what_all_of_them_speak_for_takes_the_place_of_what_came_first():
+    session, calibrated, ranked = with_both((HARDER,), laws=(BENT, HARDER))
+    standing = ranked[0].fit
+    assert is_open(ranked)
+
+    rows = told_by_all(session, ranked, standing, 0)
+    other = likelier_by_all(session, calibrated, standing, 0, rows, set())
+
+    assert rows[0].effect is ranked[0].effect
+    assert rows[1].log_evidence > rows[0].log_evidence + 10.0
+    assert other.fit.hypothesis.effects[0].kind == "cubic_stiffness"
+    assert [row.effect.kind for row in other.ranked] == ["cubic_stiffness", "quadratic_stiffness"]
+    assert likelier_by_all(session, calibrated, standing, 0, rows, {"cubic_stiffness"}) is None
+
+    again = told_by_all(session, other.ranked, other.fit, 0)
+
+    assert not is_open(again)
+    # The same records speak once, whichever of them stands.
+    behind = again[0].log_evidence - again[1].log_evidence
+    assert behind == pytest.approx(rows[1].log_evidence - rows[0].log_evidence, rel=0.2)
+    assert likelier_by_all(session, calibrated, other.fit, 0, again, set()) is None
+
+
+def test_what_fits_all_of_them_as_well_stays_a_member():
+    session, calibrated, ranked = with_both((), laws=(replace(HARDER, stiffness=1e-6 * HARDER.stiffness), BENT))
+
+    rows = told_by_all(session, ranked, ranked[0].fit, 0)
+
+    assert is_open(rows)
+    assert session.decisions == []
+    assert likelier_by_all(session, calibrated, ranked[0].fit, 0, rows, set()) is None
+
+
 def test_what_sits_in_several_parts_stays_as_it_was(monkeypatch):
-    session, ranked = with_both((HARDER,))
+    session, _, ranked = with_both((HARDER,))
     monkeypatch.setattr(QuadraticStiffness, "parts", lambda self: (self, self))
     assert told_by_all(session, ranked, ranked[0].fit, 0) == ranked
-
-
-def test_what_fits_all_of_them_as_well_stays_as_it_was():
-    session, ranked = with_both(())
-    assert told_by_all(session, ranked, ranked[0].fit, 0) == ranked
-    assert session.decisions == []
+    assert told_by_all(session, [ranked[1], ranked[0]], ranked[1].fit, 0) == [ranked[1], ranked[0]]
 
 
 def test_where_all_was_judged_already_nothing_is_asked_again(monkeypatch):
-    session, ranked = with_both((HARDER,))
+    session, _, ranked = with_both((HARDER,))
     session.fitting = session.all_predicted
-    monkeypatch.setattr(session, "fit_of_all", None)
+    monkeypatch.setattr(subject, "fit_to_its_end", None)
     assert told_by_all(session, ranked, ranked[0].fit, 0) == ranked
 
 
 def test_a_member_of_which_no_fit_stands_stays_open(monkeypatch):
-    session, ranked = with_both((HARDER,))
+    session, _, ranked = with_both((HARDER,))
     session.to_the_end(ranked[0].fit)
 
-    def lost(_):
+    def lost(*_):
         raise ArithmeticError
 
-    monkeypatch.setattr(session, "fit_of_all", lost)
+    monkeypatch.setattr(subject, "fit_to_its_end", lost)
     assert told_by_all(session, ranked, ranked[0].fit, 0) == ranked
+
+
+RIG = oscillator("displacement")
+GAIN = SensorGain(Place(sensor="top"), gain=1.1)
+DELAY = SensorDelay(Place(sensor="top"), delay=3e-4)
+CUBIC = CubicStiffness(Place(), stiffness=3.0 * RIG.structure.stiffness / 1e-3**2)
+
+
+def fitted(evaluator, *effects, **about):
+    model = Hypothesis(RIG, effects=effects)
+    return fit(evaluator, model, (*rig_unknowns(RIG), *effect_unknowns(model)), precise=True, **about)
+
+
+def sketched_beside(*stands, truth=()):
+    """A session on all there is, a round of the first effect and one that was only sketched, and the model."""
+    pair = measured(Hypothesis(RIG, effects=truth), multisine(rms=2.0, low=10.0), noise=0.01)
+    evaluator = evaluator_of(pair)
+    session = Session(evaluator, evaluator, [Horizon("test", 2.0, 1.0)], EFFECTS, lambda _: None, 0)
+    standing = fitted(evaluator, *stands)
+    first, far = Ranked.of(fitted(evaluator, stands[0]), 0), Ranked.of(fitted(evaluator, CUBIC, max_iterations=0))
+    return session, [first, replace(far, refitted=False, log_evidence=-0.5)], standing
+
+
+def test_a_member_that_was_only_sketched_is_fitted():
+    session, rows, standing = sketched_beside(GAIN)  # neither is there: both are near to nothing
+
+    first, other = told_by_all(session, rows, standing, 0)
+
+    assert first is rows[0]
+    assert other.refitted
+    assert other.fit.chi2 == pytest.approx(fitted(session.fitting, CUBIC).chi2, rel=0.01)
+    assert other.log_evidence <= -0.5
+    assert members_of([first, other]) == [first, other]
+
+
+def test_a_member_that_its_fit_excludes_is_none_any_more():
+    session, rows, standing = sketched_beside(GAIN, truth=(GAIN,))
+    assert members_of(rows) == rows
+
+    first, other = told_by_all(session, rows, standing, 0)
+
+    behind = (other.fit.chi2 - first.fit.chi2) / misfit_in_common(rows)
+    assert behind > 100.0
+    assert other.log_evidence == pytest.approx(-0.5 * behind)
+    assert members_of([first, other]) == [first]
+
+
+def test_it_is_fitted_beside_what_stands_in_the_place_of_its_rounds_effect():
+    session, rows, standing = sketched_beside(GAIN, DELAY)
+
+    _, other = told_by_all(session, rows, standing, 0)
+
+    assert [effect.kind for effect in other.fit.hypothesis.effects] == ["cubic_stiffness", "sensor_delay"]
+    assert {unknown.effect for unknown in other.fit.unknowns if hasattr(unknown, "effect")} == {0, 1}
+    assert other.effect.kind == "cubic_stiffness"
+
+
+def test_what_is_excluded_is_not_fitted(monkeypatch):
+    session, (first, sketch), standing = sketched_beside(GAIN)
+    excluded = [first, replace(sketch, log_evidence=-20.0)]
+    monkeypatch.setattr(subject, "fit_to_its_end", None)
+    assert told_by_all(session, excluded, standing, 0) == excluded
+
+
+def test_only_the_most_probable_are_fitted(monkeypatch):
+    session, (first, sketch), standing = sketched_beside(GAIN)
+    effects = [replace(CUBIC, stiffness=CUBIC.stiffness * number) for number in range(1, MOST_HELD + 3)]
+    others = [replace(sketch, effect=e, log_evidence=-0.1 * number) for number, e in enumerate(effects)]
+    monkeypatch.setattr(subject, "distinct", list)
+    asked = []
+
+    def near(evaluator, start, *_):
+        asked.append(start.effects[0])
+        return replace(standing, hypothesis=start)
+
+    monkeypatch.setattr(subject, "fit_to_its_end", near)
+
+    rows = told_by_all(session, [first, *others], standing, 0)
+
+    assert asked == effects[:MOST_HELD]
+    assert [row.refitted for row in rows[1:]] == [True] * MOST_HELD + [False, False]
