@@ -1,6 +1,6 @@
 """Once round the loop: compare, see where it fails, learn what is missing, add it, and watch the error fall."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from time import perf_counter
@@ -32,7 +32,7 @@ from identification.fit import Fit, fit
 from identification.followed_again import begin_again, fails_in_pieces, go_on
 from identification.hypothesis import Hypothesis
 from identification.in_all_sleeves import fallen_apart, in_all_sleeves
-from identification.instead import Instead, instead_of, likelier_by_all, within_tolerances
+from identification.instead import Instead, ahead_by_all, instead_of, within_tolerances
 from identification.kept_aside import KeptAside, kept_aside
 from identification.outcome import AT_REST_ONLY
 from identification.prepare import cut_to, horizons, prepare
@@ -177,7 +177,7 @@ def _looked_again(
     session: Session, search: Callable[[list[Fit]], _Found], stages: list[Stage], found: _Found
 ) -> _Found:
     """What is found from the calibrated model on with pieces of the records; what was found, where a motion is lost."""
-    before, staged = session.before_pieces(), [*stages]
+    before, staged = replace(session.as_it_is(), fitting=session.without_pieces, pieces=()), [*stages]
     try:
         chain = fitted_again(session, found.chain[:1])
         stages[1:] = [session.stage("calibrated", chain[0].hypothesis)]
@@ -299,7 +299,7 @@ def _ended(
     An effect whose size these intervals do not tell from none, or whose law or place they do not tell, is taken out,
     with its round. Before that, a law or a place gives way to a simpler law of its round that explains as much, and a
     size, beside a number at the end of its tolerance, to a law that needs none there. What is established gives way to
-    what all records make more probable. The last round stays where it is needed to show what was weighed.
+    what all records speak for. The last round stays where it is needed to show what was weighed.
     """
     taken_out, looked = False, bool(rounds)
     final, weighed, asked = chain[-1], rounds[:1], [set[str]() for _ in rounds]
@@ -312,11 +312,10 @@ def _ended(
             rounds += [] if rounds else weighed
             return verdict, final, last
         if doubted is None:
-            likelier = _likelier(session, chain[0], final, rounds, asked)
-            if likelier is None or not _exchanged_for(session, stages, final, *likelier):
+            exchange = _ahead(session, chain[0], final, rounds)
+            if exchange is None or not _exchanged_for(session, stages, final, *exchange):
                 return verdict, final, last
-            index, other = likelier
-            asked[index].add(final.hypothesis.effects[index].kind)
+            index, other = exchange
             final, rounds[index] = other.fit, other.ranked
             continue
         index, why = doubted
@@ -340,13 +339,13 @@ def _ended(
         del rounds[len(final.hypothesis.effects) :]  # what was weighed beside it and not taken
 
 
-def _likelier(
-    session: Session, calibrated: Fit, final: Fit, rounds: list[list[Ranked]], asked: Sequence[Collection[str]]
-) -> tuple[int, Instead] | None:
-    """The first effect before whom all records put another, and that; the rounds are held against all records."""
-    for index, kinds in enumerate(asked[: len(final.hypothesis.effects)]):
-        rounds[index] = told_by_all(session, rounds[index], final, index)
-        other = likelier_by_all(session, calibrated, final, index, rounds[index], kinds)
+def _ahead(session: Session, calibrated: Fit, final: Fit, rounds: list[list[Ranked]]) -> tuple[int, Instead] | None:
+    """The first effect against which all records speak for another, and that; the rounds are held against them."""
+    for index in range(len(final.hypothesis.effects)):
+        rounds[index], ahead = told_by_all(session, rounds[index], final, index)
+        if ahead is None:
+            continue
+        other = ahead_by_all(session, calibrated, final, index, rounds[index], ahead)
         if other is not None:
             return index, other
     return None

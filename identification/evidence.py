@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 
 from identification.fit import Fit, prior_of
-from identification.hypothesis import EffectUnknown, Hypothesis, OwnNumber, PlaceUnknown, Unknown
+from identification.hypothesis import EffectUnknown, OwnNumber, PlaceUnknown, Unknown
 from models.effects import Effect
 
 LEAST_EVIDENCE = 12.0
@@ -25,8 +25,6 @@ class Ranked:
         refitted: whether all unknowns were.
         log_evidence: not yet normalised.
         sketch: its fit on the beginning of the records, from which it was refitted, where there was one.
-        whole: the model with it in the place of the one that stands, fitted to all records, where it was held against
-            them.
     """
 
     effect: Effect
@@ -34,7 +32,6 @@ class Ranked:
     refitted: bool
     log_evidence: float
     sketch: Fit | None = None
-    whole: Hypothesis | None = None
 
     @classmethod
     def of(cls, found: Fit, index: int = -1, sketch: Fit | None = None) -> Self:

@@ -1,4 +1,4 @@
-"""Another law in the place of one that is not established, or of one that all records make less probable.
+"""Another law in the place of one that is not established, or of one that all records speak against.
 
 A law with more numbers bends itself to what a simpler one does, and then the records tell none of them. Taken out, it
 leaves all of the misfit again; but what it stood for was weighed beside it, in the same round. There only what has
@@ -9,18 +9,21 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from math import log
 
-from identification.acceptance import comes_as_near, is_enough
+from identification.acceptance import comes_as_near, in_doubt, is_enough
 from identification.calibrate import strained
-from identification.evidence import SIMPLER, Ranked
+from identification.conclude import settled
+from identification.evidence import SIMPLER, Ranked, log_fit, misfit_in_common, misfit_of
 from identification.exchange import fit_at
 from identification.fit import Fit
 from identification.hypothesis import Hypothesis
+from identification.outcome import EXCLUDED_BY
 from identification.reached import NOISE_REACHED, reaches_noise
 from identification.session import Session
+from identification.told_by_all import Ahead, behind_by
 
 AS_WELL = "which explains the records as well"
 WITHIN = "with which the noise is reached and no number of the rig leaves its tolerance"
-LIKELIER = "which all records make more probable"
+AHEAD = "which all records speak for"
 """What speaks for the other law."""
 
 
@@ -99,33 +102,48 @@ def within_tolerances(
     return None
 
 
-def likelier_by_all(
-    session: Session, calibrated: Fit, found: Fit, index: int, ranked: Sequence[Ranked], asked: Collection[str]
+def ahead_by_all(
+    session: Session, calibrated: Fit, found: Fit, index: int, ranked: Sequence[Ranked], ahead: Ahead
 ) -> Instead | None:
-    """The most probable law of an effect's round, where all records have put it before the one that stands, or None.
+    """A law that all records speak for in the place of one that stands; None where it would not stand itself.
+
+    It has to explain all records as well as that one does the part, to stay finite in whole records, to be established,
+    and to have the odds by which a candidate is excluded, with what was known of its numbers and how many there are.
 
     Args:
-        session: with the records.
+        session: with the records; as it was where there is none.
         calibrated: the model without effects, for its unknowns.
-        found: with the effect.
+        found: with the effect that stands.
         index: of that effect.
-        ranked: its round, held against all records (``told_by_all``).
-        asked: kinds that have stood in its place.
+        ranked: its round.
+        ahead: the law (``told_by_all``).
     """
-    for row in sorted(ranked[1:], key=lambda each: -each.log_evidence):
-        if row.log_evidence - ranked[0].log_evidence < log(LIKELIER_BY):
-            break
-        if row.whole is None or row.effect.kind in asked:
-            continue
-        now = fit_at(session, calibrated, row.whole)
-        if comes_as_near(session.to_the_end(now), session.to_the_end(found)):
-            there = replace(now, chi2=row.fit.chi2)  # that of all records, as of the others
-            return Instead(now, _put_first(row, there, index, ranked, asked), LIKELIER)
+    before, ended = session.as_it_is(), session.to_the_end(found)
+    numbers = ahead.row.effect.n_numbers - found.hypothesis.effects[index].n_numbers
+    scale = misfit_of(ahead.fit)
+    odds = log_fit(ahead.fit, scale) - log_fit(ended, scale) - log(SIMPLER) * numbers
+    if odds < 0.5 * EXCLUDED_BY:
+        return None
+    try:
+        now = fit_at(session, calibrated, ahead.fit.hypothesis)
+        farthest = max(found.ratio, NOISE_REACHED)
+        stands = max(now.ratio, ahead.fit.ratio) <= farthest and session.holds(now.hypothesis)
+        if stands and in_doubt(session, calibrated, now, settled(session, now)) is None:
+            return Instead(now, _put_ahead(ahead, now, index, ranked), AHEAD)
+    except ArithmeticError:
+        pass
+    session.back_to(before)
     return None
 
 
-LIKELIER_BY = 2.0
-"""Odds by which another law takes the place of the one that stands; with less, both are members of a group."""
+def _put_ahead(ahead: Ahead, now: Fit, index: int, ranked: Sequence[Ranked]) -> list[Ranked]:
+    """The round with a row first, and the one that stood as far behind it as all records say."""
+    stood, *others = ranked
+    others = [each for each in others if each is not ahead.row]
+    first = replace(ahead.row, fit=now, effect=now.hypothesis.effects[index])
+    first = replace(first, log_evidence=max(each.log_evidence for each in (first, *others)))
+    others.append(behind_by(stood, first, ahead.by, misfit_in_common(ranked)))
+    return [first, *sorted(others, key=lambda each: -each.log_evidence)]
 
 
 def _holds_throughout(session: Session, now: Fit) -> bool:

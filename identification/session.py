@@ -236,9 +236,9 @@ class Session:
         """What is fitted but for pieces."""
         return self.fitting.with_targets([each for each in self.fitting.targets if not isinstance(each, Piece)])
 
-    def before_pieces(self) -> "Session":
-        """What it was before pieces were followed."""
-        return replace(self, fitting=self.without_pieces, pieces=(), limits=[*self.limits])
+    def as_it_is(self) -> "Session":
+        """The same, to come ``back_to``."""
+        return replace(self, limits=[*self.limits])
 
     def back_to(self, before: "Session") -> None:
         """What is fitted, its noise and how far records are followed as they were; what was decided since stays told.

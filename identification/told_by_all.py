@@ -1,7 +1,8 @@
 """What the beginnings of the records leave open, the whole of them may tell."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 from identification.evaluate import Evaluator
 from identification.evidence import Ranked, misfit_in_common, misfit_of
@@ -11,18 +12,36 @@ from identification.in_step import in_step
 from identification.outcome import EXCLUDED_BY, distinct, members_of
 from identification.pieces import fit_from_own_starts
 from identification.session import LAST_ITERATIONS, Session
+from models.effects import Effect
 
 MOST_HELD = 3
 """Members held against all records, the most probable first: a group of more tells nobody where to look."""
 
 
-def told_by_all(session: Session, ranked: Sequence[Ranked], standing: Fit, index: int) -> list[Ranked]:
-    """A round whose most probable members have been held against all records, the effect that stands first.
+@dataclass(frozen=True, eq=False)
+class Ahead:
+    """A member of a round that all records speak for, against the effect that stands.
+
+    Attributes:
+        row: of the round.
+        fit: of the model with it in that place, to all records.
+        by: chi-square that the effect that stands leaves more, in the unit of all records.
+    """
+
+    row: Ranked
+    fit: Fit
+    by: float
+
+
+def told_by_all(
+    session: Session, ranked: Sequence[Ranked], standing: Fit, index: int
+) -> tuple[list[Ranked], Ahead | None]:
+    """A round whose most probable members were held against all records, and the one that is ahead by these, if any is.
 
     A round is judged on as much of the records as a search can afford, and what only an earlier one holds was never
     fitted beside the effects found since. So each of these members takes the place of the effect that stands: on that
-    part, where it has no fit, and on all records; its evidence becomes what they say. A member of which no fit stands,
-    and what sits in several parts, stays as it was.
+    part, where it has no fit, and on all records. One that either excludes is as far behind as there. All others, one
+    of which no fit stands, and what sits in several parts stay as they were.
 
     Args:
         session: with the records, told.
@@ -30,65 +49,88 @@ def told_by_all(session: Session, ranked: Sequence[Ranked], standing: Fit, index
         standing: the model that stands, fitted to a part of the records.
         index: of the round's effect in it.
     """
-    rows = distinct(ranked)
-    asked = [rows[0].effect]
-    while len(asked) <= MOST_HELD and len(rows[0].effect.parts()) == 1:
+    rows, ahead = distinct(ranked), None
+    if len(rows[0].effect.parts()) > 1:
+        return rows, None
+    court, asked = _Court(session, standing, index), [rows[0].effect]
+    for _ in range(MOST_HELD):
         members = (row for row in members_of(rows) if row.effect not in asked and len(row.effect.parts()) == 1)
         row = next(members, None)
         if row is None:
             break
         place = rows.index(row)
         try:
-            if not row.refitted:
-                rows[place] = _fitted(session, rows, row, standing, index)
+            rows[place] = court.fitted(row, rows)
             if rows[place] in members_of(rows):
-                rows = _held(session, rows, place, standing, index)
+                rows[place], found = court.held(rows[place], rows)
+                ahead = max((each for each in (ahead, found) if each is not None), key=lambda a: a.by, default=None)
         except ArithmeticError:
             session.progress(f"{row.effect.label()} leaves the finite numbers and stays as it was")
         asked.append(rows[place].effect)
-    return [rows[0], *sorted(rows[1:], key=lambda row: -row.log_evidence)]
+    return [rows[0], *sorted(rows[1:], key=lambda row: -row.log_evidence)], ahead
 
 
-def _fitted(session: Session, rows: Sequence[Ranked], row: Ranked, standing: Fit, index: int) -> Ranked:
-    """A member fitted on the part; its evidence is an earlier round's, and no more than the fit leaves it."""
-    session.progress(f"refitting {row.effect.label()}, which cannot be excluded, with all numbers")
-    stand = _Stand.of(session.fitting, standing, index)
-    found = stand.with_effect(row)
-    behind = max(0.0, stand.behind(found))
-    chi2 = rows[0].fit.chi2 + behind * misfit_in_common(rows)
-    evidence = min(row.log_evidence, rows[0].log_evidence - 0.5 * behind)
-    return Ranked(found.hypothesis.effects[index], replace(found, chi2=chi2), refitted=True, log_evidence=evidence)
+def behind_by(row: Ranked, first: Ranked, chi2: float, unit: float) -> Ranked:
+    """A row that is so far behind the first one, or farther where it was already.
 
-
-def _held(session: Session, rows: list[Ranked], place: int, standing: Fit, index: int) -> list[Ranked]:
-    """The rows, a member with the chi-square and the evidence of all records; the same where the part is all there is.
-
-    Where all records speak for it, the others have more chi-square, not it less: none is below what noise leaves.
+    Args:
+        row: of a round.
+        first: of the same.
+        chi2: that it leaves more, in the unit of the round.
+        unit: ``misfit_in_common`` of the round.
     """
-    part, whole, first, row = session.fitting, session.all_predicted, rows[0], rows[place]
-    if whole.n_data <= part.n_data:
-        return rows
-    session.progress(f"fitting {row.effect.label()}, which cannot be excluded, to all records")
-    stand = _Stand.of(whole, session.to_the_end(standing), index)
-    found = stand.with_effect(row)
-    behind, unit = stand.behind(found), misfit_in_common(rows)
-    if behind >= EXCLUDED_BY:
-        label, stands = row.effect.label(), first.effect.label()
-        session.decide(f"{label} explains {part.extent} as well as {stands}, but not all {whole.extent}")
-    evidence = row.log_evidence + 0.5 * ((row.fit.chi2 - first.fit.chi2) / unit - behind)
-    rows = [_with_more(each, max(0.0, -behind) * unit) for each in rows]
-    fit = replace(row.fit, chi2=first.fit.chi2 + max(0.0, behind) * unit)
-    rows[place] = replace(row, fit=fit, log_evidence=evidence, whole=found.hypothesis)
-    return rows
+    fit = replace(row.fit, chi2=max(row.fit.chi2, first.fit.chi2 + chi2 * unit))
+    return replace(row, fit=fit, log_evidence=min(row.log_evidence, first.log_evidence - 0.5 * chi2))
 
 
-def _with_more(row: Ranked, chi2: float) -> Ranked:
-    return replace(row, fit=replace(row.fit, chi2=row.fit.chi2 + chi2)) if row.refitted and chi2 else row
+@dataclass(frozen=True, eq=False)
+class _Court:
+    """Where members are held against the model that stands: the part that was fitted, and all records."""
+
+    session: Session
+    standing: Fit
+    index: int
+
+    @cached_property
+    def part(self) -> "_Stand":
+        return _Stand.of(self.session.fitting, self.standing, self.index)
+
+    @cached_property
+    def whole(self) -> "_Stand":
+        return _Stand.of(self.session.all_predicted, self.session.to_the_end(self.standing), self.index)
+
+    def fitted(self, row: Ranked, rows: Sequence[Ranked]) -> Ranked:
+        """A member with a fit on the part; its evidence is an earlier round's, and no more than the fit leaves it."""
+        if row.refitted:
+            return row
+        self.session.progress(f"refitting {row.effect.label()}, which cannot be excluded, with all numbers")
+        found = self.part.with_effect(row.effect, row.fit.hypothesis.values)
+        now = replace(row, effect=found.hypothesis.effects[self.index], fit=found, refitted=True)
+        return behind_by(now, rows[0], max(0.0, self.part.behind(found)), misfit_in_common(rows))
+
+    def held(self, row: Ranked, rows: Sequence[Ranked]) -> tuple[Ranked, Ahead | None]:
+        """A member as far behind as all records exclude it, or ahead as far as they exclude the effect that stands."""
+        part, whole = self.session.fitting, self.session.all_predicted
+        if whole.n_data <= part.n_data:
+            return row, None
+        label, stands = row.effect.label(), rows[0].effect.label()
+        self.session.progress(f"fitting {label}, which cannot be excluded, to all records")
+        found = self.whole.with_effect(row.effect, row.fit.hypothesis.values)
+        behind = self.whole.behind(found)
+        if behind >= EXCLUDED_BY:
+            self.session.decide(f"{label} explains {part.extent} as well as {stands}, but not all {whole.extent}")
+            return behind_by(row, rows[0], behind, misfit_in_common(rows)), None
+        if behind > -EXCLUDED_BY:
+            return row, None
+        # From there the effect that stands may come nearer, too: its own fit may have stopped on its way.
+        again = replace(self.whole, fit=found).with_effect(rows[0].effect, self.whole.fit.hypothesis.values)
+        by = replace(self.whole, fit=found).behind(again)
+        return row, Ahead(row, found, min(by, -behind)) if by >= EXCLUDED_BY else None
 
 
 @dataclass(frozen=True, eq=False)
 class _Stand:
-    """The model that stands, fitted to some records, and which of its effects is in question."""
+    """A model fitted to some records, and which of its effects is in question."""
 
     evaluator: Evaluator
     fit: Fit
@@ -98,26 +140,26 @@ class _Stand:
     def of(cls, evaluator: Evaluator, standing: Fit, index: int) -> "_Stand":
         return cls(evaluator, fit_from_own_starts(evaluator, standing), index)
 
-    def with_effect(self, row: Ranked) -> Fit:
-        """The fit with a row's effect in that place, from the nearer of its numbers of the rig and those that stand.
+    def with_effect(self, effect: Effect, values: Mapping[str, float]) -> Fit:
+        """The fit with an effect in that place, from the nearer of the numbers of the rig here and others.
 
         Raises:
             ArithmeticError: the model leaves the finite numbers.
         """
         model = self.fit.hypothesis
-        effects = (*model.effects[: self.index], row.effect, *model.effects[self.index + 1 :])
-        begun = in_step(self.evaluator, replace(model, effects=effects), (row.effect,))
-        starts = [begun, replace(begun, values=row.fit.hypothesis.values)]
+        effects = (*model.effects[: self.index], effect, *model.effects[self.index + 1 :])
+        begun = in_step(self.evaluator, replace(model, effects=effects), (effect,))
+        starts = [begun, replace(begun, values=values)]
         residuals = self.evaluator.residuals([(start, None) for start in starts])
         stand = [(float(left @ left), start) for left, start in zip(residuals, starts, strict=True) if left is not None]
         if not stand:
-            raise ArithmeticError(f"no model with {row.effect.label()} stays finite")
+            raise ArithmeticError(f"no model with {effect.label()} stays finite")
         _, start = min(stand, key=lambda pair: pair[0])
         of_the_rest = (unknown for unknown in self.fit.unknowns if getattr(unknown, "effect", -1) < 0)
         unknowns = (*of_the_rest, *effect_unknowns(start))
         return fit_from_own_starts(self.evaluator, fit_to_its_end(self.evaluator, start, unknowns, LAST_ITERATIONS))
 
     def behind(self, found: Fit) -> float:
-        """Chi-square beyond what noise leaves that a fit has more than the model that stands, in its unit."""
+        """Chi-square beyond what noise leaves that a fit has more than the model here, in its unit."""
         more = (found.chi2 - found.n_data) - (self.fit.chi2 - self.fit.n_data)
         return more / misfit_of(self.fit)

@@ -5,11 +5,12 @@ from dataclasses import replace
 import pytest
 from trial_records import OSCILLATOR, evaluator_of, measured, multisine, oscillator, rising_session
 
+from identification import instead
 from identification import told_by_all as subject
 from identification.evidence import Ranked, misfit_in_common, probabilities
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
-from identification.instead import likelier_by_all
+from identification.instead import ahead_by_all
 from identification.outcome import groups_of, members_of
 from identification.prepare import Horizon
 from identification.session import Session
@@ -25,9 +26,9 @@ BENT = QuadraticStiffness(Place(), stiffness=1e-3 * OSCILLATOR.structure.stiffne
 LATE = SensorDelay(Place(sensor="top"), delay=4e-4)
 
 
-def with_both(truth, beside=(), laws=(HARDER, BENT)):
-    """A session that has fitted the first second of four, and a round in which two laws explain it alike."""
-    session, calibrated = rising_session(Hypothesis(OSCILLATOR, effects=(*beside, *truth)), 1.0)
+def with_both(truth, beside=(), laws=(HARDER, BENT), seconds=1.0):
+    """A session that has fitted the first seconds of four, and a round in which two laws explain them alike."""
+    session, calibrated = rising_session(Hypothesis(OSCILLATOR, effects=(*beside, *truth)), seconds)
     found = []
     for effect in laws:
         model = Hypothesis(OSCILLATOR, effects=(*beside, effect))
@@ -44,7 +45,7 @@ def test_a_law_that_fits_the_beginning_alone_is_no_member_any_more():
     session, _, ranked = with_both((HARDER,))
     assert is_open(ranked)
 
-    rows = told_by_all(session, ranked, ranked[0].fit, 0)
+    rows, _ = told_by_all(session, ranked, ranked[0].fit, 0)
 
     assert not is_open(rows)
     assert rows[0] is ranked[0]
@@ -56,56 +57,75 @@ def test_a_law_is_held_against_all_of_them_in_the_place_of_its_own_rounds_effect
     session, _, ranked = with_both((HARDER,), beside=(LATE,))
     assert is_open(ranked)
 
-    rows = told_by_all(session, ranked, ranked[0].fit, 1)
+    rows, _ = told_by_all(session, ranked, ranked[0].fit, 1)
 
     assert not is_open(rows)
 
 
-def test_what_all_of_them_speak_for_takes_the_place_of_what_came_first():
-    session, calibrated, ranked = with_both((HARDER,), laws=(BENT, HARDER))
-    standing = ranked[0].fit
+@pytest.fixture
+def bent_first():
+    """What is hidden comes second on the part: a session, the calibrated model, the round, the one that is ahead."""
+    session, calibrated, ranked = with_both((HARDER,), laws=(BENT, HARDER), seconds=2.0)
     assert is_open(ranked)
+    rows, ahead = told_by_all(session, ranked, ranked[0].fit, 0)
+    return session, calibrated, rows, ahead
 
-    rows = told_by_all(session, ranked, standing, 0)
-    other = likelier_by_all(session, calibrated, standing, 0, rows, set())
 
-    assert rows[0].effect is ranked[0].effect
-    assert rows[1].log_evidence > rows[0].log_evidence + 10.0
-    assert other.fit.hypothesis.effects[0].kind == "cubic_stiffness"
+def test_what_all_of_them_speak_for_takes_the_place_of_what_came_first(bent_first):
+    session, calibrated, rows, ahead = bent_first
+    assert ahead.row is rows[1]
+    assert ahead.fit.ratio == pytest.approx(1.0, abs=0.05)
+    assert is_open(rows)
+
+    other = ahead_by_all(session, calibrated, rows[0].fit, 0, rows, ahead)
+
+    assert other.fit.hypothesis.effects[0].stiffness == pytest.approx(HARDER.stiffness, rel=0.01)
     assert [row.effect.kind for row in other.ranked] == ["cubic_stiffness", "quadratic_stiffness"]
-    assert likelier_by_all(session, calibrated, standing, 0, rows, {"cubic_stiffness"}) is None
+    assert not is_open(other.ranked)
+    assert other.ranked[0].log_evidence - other.ranked[1].log_evidence >= 0.5 * ahead.by
+    assert told_by_all(session, other.ranked, other.fit, 0) == (other.ranked, None)
 
-    again = told_by_all(session, other.ranked, other.fit, 0)
 
-    assert not is_open(again)
-    # The same records speak once, whichever of them stands.
-    behind = again[0].log_evidence - again[1].log_evidence
-    assert behind == pytest.approx(rows[1].log_evidence - rows[0].log_evidence, rel=0.2)
-    assert likelier_by_all(session, calibrated, other.fit, 0, again, set()) is None
+@pytest.mark.parametrize("lost", ["established", "finite", "odds", "near"])
+def test_what_would_not_stand_itself_takes_no_place(bent_first, monkeypatch, lost):
+    session, calibrated, rows, ahead = bent_first
+    found, limits = rows[0].fit, [*session.limits]
+    if lost == "established":
+        monkeypatch.setattr(instead, "in_doubt", lambda *_: (0, "its size"))
+    elif lost == "finite":
+        monkeypatch.setattr(Session, "holds", lambda *_: False)
+    elif lost == "odds":
+        session.to_the_end(found)
+        ahead = replace(ahead, fit=replace(ahead.fit, penalty=1e9))
+    else:
+        monkeypatch.setattr(instead, "fit_at", lambda *_: replace(found, chi2=9.0 * found.chi2))
+
+    assert ahead_by_all(session, calibrated, found, 0, rows, ahead) is None
+    assert session.limits == limits
 
 
 def test_what_fits_all_of_them_as_well_stays_a_member():
-    session, calibrated, ranked = with_both((), laws=(replace(HARDER, stiffness=1e-6 * HARDER.stiffness), BENT))
+    session, _, ranked = with_both((), laws=(replace(HARDER, stiffness=1e-6 * HARDER.stiffness), BENT))
 
-    rows = told_by_all(session, ranked, ranked[0].fit, 0)
+    rows, ahead = told_by_all(session, ranked, ranked[0].fit, 0)
 
-    assert is_open(rows)
+    assert rows == ranked
+    assert ahead is None
     assert session.decisions == []
-    assert likelier_by_all(session, calibrated, ranked[0].fit, 0, rows, set()) is None
 
 
 def test_what_sits_in_several_parts_stays_as_it_was(monkeypatch):
     session, _, ranked = with_both((HARDER,))
     monkeypatch.setattr(QuadraticStiffness, "parts", lambda self: (self, self))
-    assert told_by_all(session, ranked, ranked[0].fit, 0) == ranked
-    assert told_by_all(session, [ranked[1], ranked[0]], ranked[1].fit, 0) == [ranked[1], ranked[0]]
+    assert told_by_all(session, ranked, ranked[0].fit, 0) == (ranked, None)
+    assert told_by_all(session, [ranked[1], ranked[0]], ranked[1].fit, 0) == ([ranked[1], ranked[0]], None)
 
 
 def test_where_all_was_judged_already_nothing_is_asked_again(monkeypatch):
     session, _, ranked = with_both((HARDER,))
     session.fitting = session.all_predicted
     monkeypatch.setattr(subject, "fit_to_its_end", None)
-    assert told_by_all(session, ranked, ranked[0].fit, 0) == ranked
+    assert told_by_all(session, ranked, ranked[0].fit, 0) == (ranked, None)
 
 
 def test_a_member_of_which_no_fit_stands_stays_open(monkeypatch):
@@ -116,7 +136,7 @@ def test_a_member_of_which_no_fit_stands_stays_open(monkeypatch):
         raise ArithmeticError
 
     monkeypatch.setattr(subject, "fit_to_its_end", lost)
-    assert told_by_all(session, ranked, ranked[0].fit, 0) == ranked
+    assert told_by_all(session, ranked, ranked[0].fit, 0) == (ranked, None)
 
 
 RIG = oscillator("displacement")
@@ -143,7 +163,7 @@ def sketched_beside(*stands, truth=()):
 def test_a_member_that_was_only_sketched_is_fitted():
     session, rows, standing = sketched_beside(GAIN)  # neither is there: both are near to nothing
 
-    first, other = told_by_all(session, rows, standing, 0)
+    (first, other), _ = told_by_all(session, rows, standing, 0)
 
     assert first is rows[0]
     assert other.refitted
@@ -156,7 +176,7 @@ def test_a_member_that_its_fit_excludes_is_none_any_more():
     session, rows, standing = sketched_beside(GAIN, truth=(GAIN,))
     assert members_of(rows) == rows
 
-    first, other = told_by_all(session, rows, standing, 0)
+    (first, other), _ = told_by_all(session, rows, standing, 0)
 
     behind = (other.fit.chi2 - first.fit.chi2) / misfit_in_common(rows)
     assert behind > 100.0
@@ -167,7 +187,7 @@ def test_a_member_that_its_fit_excludes_is_none_any_more():
 def test_it_is_fitted_beside_what_stands_in_the_place_of_its_rounds_effect():
     session, rows, standing = sketched_beside(GAIN, DELAY)
 
-    _, other = told_by_all(session, rows, standing, 0)
+    (_, other), _ = told_by_all(session, rows, standing, 0)
 
     assert [effect.kind for effect in other.fit.hypothesis.effects] == ["cubic_stiffness", "sensor_delay"]
     assert {unknown.effect for unknown in other.fit.unknowns if hasattr(unknown, "effect")} == {0, 1}
@@ -178,7 +198,7 @@ def test_what_is_excluded_is_not_fitted(monkeypatch):
     session, (first, sketch), standing = sketched_beside(GAIN)
     excluded = [first, replace(sketch, log_evidence=-20.0)]
     monkeypatch.setattr(subject, "fit_to_its_end", None)
-    assert told_by_all(session, excluded, standing, 0) == excluded
+    assert told_by_all(session, excluded, standing, 0) == (excluded, None)
 
 
 def test_only_the_most_probable_are_fitted(monkeypatch):
@@ -194,7 +214,7 @@ def test_only_the_most_probable_are_fitted(monkeypatch):
 
     monkeypatch.setattr(subject, "fit_to_its_end", near)
 
-    rows = told_by_all(session, [first, *others], standing, 0)
+    rows, _ = told_by_all(session, [first, *others], standing, 0)
 
     assert asked == effects[:MOST_HELD]
     assert [row.refitted for row in rows[1:]] == [True] * MOST_HELD + [False, False]
