@@ -1,6 +1,6 @@
 """Once round the loop: compare, see where it fails, learn what is missing, add it, and watch the error fall."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from time import perf_counter
@@ -302,7 +302,7 @@ def _ended(
     what all records speak for. The last round stays where it is needed to show what was weighed.
     """
     taken_out, looked = False, bool(rounds)
-    final, weighed, asked = chain[-1], rounds[:1], [set[str]() for _ in rounds]
+    final, weighed, asked, gone = chain[-1], rounds[:1], [set[str]() for _ in rounds], [set[str]() for _ in rounds]
     while True:
         verdict = verdict_of(session, chain[0], final, taken_out=taken_out, looked=looked)
         final = final if verdict == "missing_effect" else chain[0]
@@ -312,10 +312,11 @@ def _ended(
             rounds += [] if rounds else weighed
             return verdict, final, last
         if doubted is None:
-            exchange = _ahead(session, chain[0], final, rounds)
+            exchange = _ahead(session, chain[0], final, rounds, gone)
             if exchange is None or not _exchanged_for(session, stages, final, *exchange):
                 return verdict, final, last
             index, other = exchange
+            gone[index].add(final.hypothesis.effects[index].kind)
             final, rounds[index] = other.fit, other.ranked
             continue
         index, why = doubted
@@ -336,18 +337,23 @@ def _ended(
             stages.append(session.stage(label, final.hypothesis))
         weighed = [rounds.pop(index)]
         asked.pop(index)
+        gone.pop(index)
         del rounds[len(final.hypothesis.effects) :]  # what was weighed beside it and not taken
 
 
-def _ahead(session: Session, calibrated: Fit, final: Fit, rounds: list[list[Ranked]]) -> tuple[int, Instead] | None:
-    """The first effect against which all records speak for another, and that; the rounds are held against them."""
+def _ahead(
+    session: Session, calibrated: Fit, final: Fit, rounds: list[list[Ranked]], gone: Sequence[Collection[str]]
+) -> tuple[int, Instead] | None:
+    """The first effect against which all records speak for another, and that; the rounds are held against them.
+
+    No kind that has gone before comes back: pieces are begun by the model that stands.
+    """
     for index in range(len(final.hypothesis.effects)):
         rounds[index], ahead = told_by_all(session, rounds[index], final, index)
-        if ahead is None:
-            continue
-        other = ahead_by_all(session, calibrated, final, index, rounds[index], ahead)
-        if other is not None:
-            return index, other
+        for each in (each for each in ahead if each.row.effect.kind not in gone[index]):
+            other = ahead_by_all(session, calibrated, final, index, rounds[index], each)
+            if other is not None:
+                return index, other
     return None
 
 

@@ -118,30 +118,32 @@ def ahead_by_all(
         ranked: its round.
         ahead: the law (``told_by_all``).
     """
-    before, ended = session.as_it_is(), session.to_the_end(found)
-    numbers = ahead.row.effect.n_numbers - found.hypothesis.effects[index].n_numbers
-    scale = misfit_of(ahead.fit)
-    odds = log_fit(ahead.fit, scale) - log_fit(ended, scale) - log(SIMPLER) * numbers
+    label, numbers = ahead.row.effect.label(), ahead.row.effect.n_numbers - found.hypothesis.effects[index].n_numbers
+    scale, said = misfit_of(ahead.fit), len(session.decisions)
+    odds = log_fit(ahead.fit, scale) - log_fit(ahead.against, scale) - log(SIMPLER) * numbers
     if odds < 0.5 * EXCLUDED_BY:
         return None
+    before, now = session.as_it_is(), None
     try:
-        now = fit_at(session, calibrated, ahead.fit.hypothesis)
-        farthest = max(found.ratio, NOISE_REACHED)
-        stands = max(now.ratio, ahead.fit.ratio) <= farthest and session.holds(now.hypothesis)
-        if stands and in_doubt(session, calibrated, now, settled(session, now)) is None:
-            return Instead(now, _put_ahead(ahead, now, index, ranked), AHEAD)
+        there = fit_at(session, calibrated, ahead.fit.hypothesis)
+        as_near = max(there.ratio, ahead.fit.ratio) <= max(found.ratio, NOISE_REACHED)
+        if as_near and session.holds(there.hypothesis):
+            now = there if in_doubt(session, calibrated, there, settled(session, there)) is None else None
     except ArithmeticError:
-        pass
+        session.progress(f"{label} leaves the finite numbers")
+    del session.decisions[said:]  # of a model that does not stand, or is judged again as the one that does
+    if now is not None:
+        return Instead(now, _put_ahead(ahead, ranked), AHEAD)
     session.back_to(before)
+    session.decide(f"all records speak for {label}, which would not stand itself")
     return None
 
 
-def _put_ahead(ahead: Ahead, now: Fit, index: int, ranked: Sequence[Ranked]) -> list[Ranked]:
+def _put_ahead(ahead: Ahead, ranked: Sequence[Ranked]) -> list[Ranked]:
     """The round with a row first, and the one that stood as far behind it as all records say."""
     stood, *others = ranked
     others = [each for each in others if each is not ahead.row]
-    first = replace(ahead.row, fit=now, effect=now.hypothesis.effects[index])
-    first = replace(first, log_evidence=max(each.log_evidence for each in (first, *others)))
+    first = replace(ahead.row, log_evidence=max(each.log_evidence for each in (ahead.row, *others)))
     others.append(behind_by(stood, first, ahead.by, misfit_in_common(ranked)))
     return [first, *sorted(others, key=lambda each: -each.log_evidence)]
 

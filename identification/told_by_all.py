@@ -25,18 +25,20 @@ class Ahead:
     Attributes:
         row: of the round.
         fit: of the model with it in that place, to all records.
-        by: chi-square that the effect that stands leaves more, in the unit of all records.
+        against: of the model that stands, to the same.
+        by: chi-square that this one leaves more, in the unit of all records.
     """
 
     row: Ranked
     fit: Fit
+    against: Fit
     by: float
 
 
 def told_by_all(
     session: Session, ranked: Sequence[Ranked], standing: Fit, index: int
-) -> tuple[list[Ranked], Ahead | None]:
-    """A round whose most probable members were held against all records, and the one that is ahead by these, if any is.
+) -> tuple[list[Ranked], list[Ahead]]:
+    """A round whose most probable members were held against all records, and those that are ahead by these, by how far.
 
     A round is judged on as much of the records as a search can afford, and what only an earlier one holds was never
     fitted beside the effects found since. So each of these members takes the place of the effect that stands: on that
@@ -49,13 +51,13 @@ def told_by_all(
         standing: the model that stands, fitted to a part of the records.
         index: of the round's effect in it.
     """
-    rows, ahead = distinct(ranked), None
+    rows, ahead = distinct(ranked), list[Ahead]()
     if len(rows[0].effect.parts()) > 1:
-        return rows, None
+        return rows, ahead
     court, asked = _Court(session, standing, index), [rows[0].effect]
     for _ in range(MOST_HELD):
         members = (row for row in members_of(rows) if row.effect not in asked and len(row.effect.parts()) == 1)
-        row = next(members, None)
+        row = max(members, key=lambda row: row.log_evidence, default=None)
         if row is None:
             break
         place = rows.index(row)
@@ -63,11 +65,11 @@ def told_by_all(
             rows[place] = court.fitted(row, rows)
             if rows[place] in members_of(rows):
                 rows[place], found = court.held(rows[place], rows)
-                ahead = max((each for each in (ahead, found) if each is not None), key=lambda a: a.by, default=None)
+                ahead += [] if found is None else [found]
         except ArithmeticError:
             session.progress(f"{row.effect.label()} leaves the finite numbers and stays as it was")
         asked.append(rows[place].effect)
-    return [rows[0], *sorted(rows[1:], key=lambda row: -row.log_evidence)], ahead
+    return [rows[0], *sorted(rows[1:], key=lambda row: -row.log_evidence)], sorted(ahead, key=lambda each: -each.by)
 
 
 def behind_by(row: Ranked, first: Ranked, chi2: float, unit: float) -> Ranked:
@@ -122,10 +124,17 @@ class _Court:
             return behind_by(row, rows[0], behind, misfit_in_common(rows)), None
         if behind > -EXCLUDED_BY:
             return row, None
-        # From there the effect that stands may come nearer, too: its own fit may have stopped on its way.
-        again = replace(self.whole, fit=found).with_effect(rows[0].effect, self.whole.fit.hypothesis.values)
-        by = replace(self.whole, fit=found).behind(again)
-        return row, Ahead(row, found, min(by, -behind)) if by >= EXCLUDED_BY else None
+        best = self._nearest_from(found)
+        by = replace(self.whole, fit=found).behind(best)
+        return row, Ahead(row, found, best, by) if by >= EXCLUDED_BY else None
+
+    def _nearest_from(self, found: Fit) -> Fit:
+        """The fit of the effect that stands to all records, or another from a member's numbers: it may have stopped."""
+        try:
+            again = replace(self.whole, fit=found).with_effect(self.whole.fit.hypothesis.effects[self.index])
+        except ArithmeticError:
+            return self.whole.fit
+        return min(self.whole.fit, again, key=lambda each: each.cost)
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,8 +149,8 @@ class _Stand:
     def of(cls, evaluator: Evaluator, standing: Fit, index: int) -> "_Stand":
         return cls(evaluator, fit_from_own_starts(evaluator, standing), index)
 
-    def with_effect(self, effect: Effect, values: Mapping[str, float]) -> Fit:
-        """The fit with an effect in that place, from the nearer of the numbers of the rig here and others.
+    def with_effect(self, effect: Effect, values: Mapping[str, float] | None = None) -> Fit:
+        """The fit with an effect in that place, from the nearer of the numbers of the rig here and others, if given.
 
         Raises:
             ArithmeticError: the model leaves the finite numbers.
@@ -149,7 +158,7 @@ class _Stand:
         model = self.fit.hypothesis
         effects = (*model.effects[: self.index], effect, *model.effects[self.index + 1 :])
         begun = in_step(self.evaluator, replace(model, effects=effects), (effect,))
-        starts = [begun, replace(begun, values=values)]
+        starts = [begun] if values is None else [begun, replace(begun, values=values)]
         residuals = self.evaluator.residuals([(start, None) for start in starts])
         stand = [(float(left @ left), start) for left, start in zip(residuals, starts, strict=True) if left is not None]
         if not stand:

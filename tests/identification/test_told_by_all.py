@@ -67,7 +67,7 @@ def bent_first():
     """What is hidden comes second on the part: a session, the calibrated model, the round, the one that is ahead."""
     session, calibrated, ranked = with_both((HARDER,), laws=(BENT, HARDER), seconds=2.0)
     assert is_open(ranked)
-    rows, ahead = told_by_all(session, ranked, ranked[0].fit, 0)
+    rows, (ahead,) = told_by_all(session, ranked, ranked[0].fit, 0)
     return session, calibrated, rows, ahead
 
 
@@ -83,25 +83,43 @@ def test_what_all_of_them_speak_for_takes_the_place_of_what_came_first(bent_firs
     assert [row.effect.kind for row in other.ranked] == ["cubic_stiffness", "quadratic_stiffness"]
     assert not is_open(other.ranked)
     assert other.ranked[0].log_evidence - other.ranked[1].log_evidence >= 0.5 * ahead.by
-    assert told_by_all(session, other.ranked, other.fit, 0) == (other.ranked, None)
+    assert told_by_all(session, other.ranked, other.fit, 0) == (other.ranked, [])
 
 
 @pytest.mark.parametrize("lost", ["established", "finite", "odds", "near"])
 def test_what_would_not_stand_itself_takes_no_place(bent_first, monkeypatch, lost):
     session, calibrated, rows, ahead = bent_first
-    found, limits = rows[0].fit, [*session.limits]
+    found, limits, fitting = rows[0].fit, [*session.limits], session.fitting
     if lost == "established":
-        monkeypatch.setattr(instead, "in_doubt", lambda *_: (0, "its size"))
+
+        def doubted(session, *_):
+            session.limits[0], session.pieces = replace(limits[0], seconds=0.1), (None,)
+            session.decide("a cut that will not hold")
+            return 0, "its size"
+
+        monkeypatch.setattr(instead, "in_doubt", doubted)
     elif lost == "finite":
         monkeypatch.setattr(Session, "holds", lambda *_: False)
     elif lost == "odds":
-        session.to_the_end(found)
         ahead = replace(ahead, fit=replace(ahead.fit, penalty=1e9))
     else:
         monkeypatch.setattr(instead, "fit_at", lambda *_: replace(found, chi2=9.0 * found.chi2))
 
     assert ahead_by_all(session, calibrated, found, 0, rows, ahead) is None
-    assert session.limits == limits
+
+    assert (session.limits, session.pieces, session.fitting) == (limits, (), fitting)
+    assert session.decisions == (
+        [] if lost == "odds" else ["all records speak for cubic_stiffness, which would not stand itself"]
+    )
+
+
+def test_a_fit_that_stopped_on_its_way_is_gone_on_with_from_the_member(bent_first, monkeypatch):
+    session, _, rows, ahead = bent_first
+    # As if the right law stood, but far from where it would have come to.
+    stopped = replace(ahead.fit, chi2=100.0 * ahead.fit.chi2)
+    monkeypatch.setattr(subject._Court, "whole", subject._Stand(session.all_predicted, stopped, 0))
+
+    assert subject._Court(session, rows[0].fit, 0).held(rows[1], rows) == (rows[1], None)
 
 
 def test_what_fits_all_of_them_as_well_stays_a_member():
@@ -110,22 +128,22 @@ def test_what_fits_all_of_them_as_well_stays_a_member():
     rows, ahead = told_by_all(session, ranked, ranked[0].fit, 0)
 
     assert rows == ranked
-    assert ahead is None
+    assert ahead == []
     assert session.decisions == []
 
 
 def test_what_sits_in_several_parts_stays_as_it_was(monkeypatch):
     session, _, ranked = with_both((HARDER,))
     monkeypatch.setattr(QuadraticStiffness, "parts", lambda self: (self, self))
-    assert told_by_all(session, ranked, ranked[0].fit, 0) == (ranked, None)
-    assert told_by_all(session, [ranked[1], ranked[0]], ranked[1].fit, 0) == ([ranked[1], ranked[0]], None)
+    assert told_by_all(session, ranked, ranked[0].fit, 0) == (ranked, [])
+    assert told_by_all(session, [ranked[1], ranked[0]], ranked[1].fit, 0) == ([ranked[1], ranked[0]], [])
 
 
 def test_where_all_was_judged_already_nothing_is_asked_again(monkeypatch):
     session, _, ranked = with_both((HARDER,))
     session.fitting = session.all_predicted
-    monkeypatch.setattr(subject, "fit_to_its_end", None)
-    assert told_by_all(session, ranked, ranked[0].fit, 0) == (ranked, None)
+    monkeypatch.setattr(subject, "fit_to_its_end", [])
+    assert told_by_all(session, ranked, ranked[0].fit, 0) == (ranked, [])
 
 
 def test_a_member_of_which_no_fit_stands_stays_open(monkeypatch):
@@ -136,7 +154,7 @@ def test_a_member_of_which_no_fit_stands_stays_open(monkeypatch):
         raise ArithmeticError
 
     monkeypatch.setattr(subject, "fit_to_its_end", lost)
-    assert told_by_all(session, ranked, ranked[0].fit, 0) == (ranked, None)
+    assert told_by_all(session, ranked, ranked[0].fit, 0) == (ranked, [])
 
 
 RIG = oscillator("displacement")
@@ -197,8 +215,8 @@ def test_it_is_fitted_beside_what_stands_in_the_place_of_its_rounds_effect():
 def test_what_is_excluded_is_not_fitted(monkeypatch):
     session, (first, sketch), standing = sketched_beside(GAIN)
     excluded = [first, replace(sketch, log_evidence=-20.0)]
-    monkeypatch.setattr(subject, "fit_to_its_end", None)
-    assert told_by_all(session, excluded, standing, 0) == (excluded, None)
+    monkeypatch.setattr(subject, "fit_to_its_end", [])
+    assert told_by_all(session, excluded, standing, 0) == (excluded, [])
 
 
 def test_only_the_most_probable_are_fitted(monkeypatch):
