@@ -327,7 +327,7 @@ REPORTED = CaseSet(
             run="Ended when a second search, in pieces of the records, had come to the diagnosis: the next seed "
             "judges that.",
         ),
-        35507: Batch("f56a61c", first_kind="absorber", first_law="fading_friction"),
+        35507: Batch("a006278", first_kind="absorber", first_law="fading_friction"),
     },
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),
