@@ -12,26 +12,29 @@ from threadpoolctl import threadpool_limits
 from identification.diagnose import diagnose
 from identification.next_experiment.proposal import Proposal
 from identification.result import Diagnosis
+from models.arrays import FloatArray
+from models.plant import build_plant
 from models.record import Record
 from models.rig import Rig
 from models.simulators import simulator
-from models.simulators.protocol import Resolution
+from models.simulators.protocol import Resolution, Trial
 from testbed.hidden_effects.case_run import hidden_in, judged_case, told
 from testbed.hidden_effects.cases import Case, draw_case
 from testbed.hidden_effects.plan import Task
-from testbed.hidden_effects.truth import Truth
+from testbed.hidden_effects.truth import FINE, Truth, moved
 from testbed.loop import diagnosis_json
 from testbed.outputs import Json
 from testbed.proposal import EXPERIMENT, proposal_json, write_experiment
 from testbed.virtual.campaign import runs_of
 from testbed.virtual.experiment import read_experiment
-from testbed.virtual.laboratory import carry_out, laboratory_of
+from testbed.virtual.laboratory import Laboratory, laboratory_of, read_by_sensors
 
 Outcome = Literal["told apart", "still open", "wrong", "no group", "no test", "no simulator"]
 """What came of a group: by the test, or why there was none. ``no group``: the diagnosis of today states none."""
 
 SIMULATORS = ("mujoco", "exudyn")
-"""That carry out tests, in this order where the case's own engine does not: a rig that is let go is theirs alone."""
+"""That let a rig go, in this order where the case's own engine does not; any other test is the own engine's, since two
+of them are farther apart than the noise where walls are struck."""
 
 
 def run_proposed(task: Task, threads: int = 1, draw: Callable[[Task], Case] = draw_case) -> Json:
@@ -72,7 +75,7 @@ def proposed(case: Case, threads: int) -> Json:
     if proposal.test is None or proposal.best is None:
         return content | {"outcome": "no test"}
     content["proposal"] = {key: value for key, value in proposal_json(proposal).items() if key != "options"}
-    engine = carrier(case.truth)
+    engine = carrier(case.truth, held=proposal.test.is_held)
     if engine is None:
         return content | {"outcome": "no simulator"}
     rig, record = carried_out(case, proposal, *engine)
@@ -84,12 +87,15 @@ def proposed(case: Case, threads: int) -> Json:
     return content | {"simulator": engine[0], "after": stated, "outcome": ends}
 
 
-def carrier(truth: Truth) -> tuple[str, Resolution] | None:
-    """The simulator that carries out a test on what is really there, and how finely; None where none carries it.
+def carrier(truth: Truth, *, held: bool) -> tuple[str, Resolution] | None:
+    """The engine that carries out a test on what is really there, and how finely; None where none carries it.
 
     Args:
         truth: of a case.
+        held: whether the rig is held until it is let go.
     """
+    if truth.engine == FINE and not held:
+        return FINE, truth.resolution
     own = [truth.engine] if truth.engine in SIMULATORS else []
     for name in dict.fromkeys((*own, *SIMULATORS)):
         resolution = truth.resolution if name == truth.engine else Resolution()
@@ -104,7 +110,7 @@ def carried_out(case: Case, proposal: Proposal, engine: str, resolution: Resolut
     Args:
         case: drawn.
         proposal: with a test.
-        engine: name of the simulator.
+        engine: of ``carrier``.
         resolution: how finely.
 
     Raises:
@@ -119,8 +125,20 @@ def carried_out(case: Case, proposal: Proposal, engine: str, resolution: Resolut
     added = sensors[len(case.rig.sensors) :]
     built = case.truth.built.model_copy(update={"sensors": (*case.truth.built.sensors, *added)})
     laboratory = replace(laboratory_of(experiment, rig), built=built, hidden=case.truth.hidden)
-    record, _ = carry_out(laboratory, run, 0, engine, resolution)
-    return rig, record
+    rng = laboratory.dice_of(0)
+    trial = laboratory.trial_of(run, rng)
+    return rig, read_by_sensors(laboratory, run, trial, _channels(laboratory, trial, engine, resolution), rng)
+
+
+def _channels(laboratory: Laboratory, trial: Trial, engine: str, resolution: Resolution) -> FloatArray:
+    """(n_sensors, N) what moves."""
+    if engine != FINE:
+        return simulator(engine).run(laboratory.plant, trial, resolution).channels
+    shaker = laboratory.built.excitation
+    if shaker is not None and trial.position is not None:
+        shaker = shaker.model_copy(update={"position": trial.position})
+    plant = build_plant(laboratory.built.model_copy(update={"excitation": shaker}), laboratory.hidden)
+    return moved(FINE, resolution, plant, trial.excitation, trial.fs, trial.free)
 
 
 def _stated(diagnosis: Diagnosis, case: Case) -> Json:

@@ -15,7 +15,8 @@ from testbed.outputs import Json
 ABOUT = f"""\
 Where a diagnosis of the hidden-effect benchmark states a group of effects that its records do not tell apart, it
 proposes a test. Here the test is carried out on the rig as it really is, with the noise that its channels have had so
-far, by MuJoCo or Exudyn, and the rig is diagnosed again from the old records and the new one together.
+far, by the code that made its records (finite elements, MuJoCo or Exudyn; a rig that is let go by one of the last two),
+and the rig is diagnosed again from the old records and the new one together.
 
 *Told apart*: the right effect is named and no group is stated any more. *Still open*: a group is stated, and the right
 effect is in it. *Wrong*: it is not. *No group*: the diagnosis of today states none, of the same records.

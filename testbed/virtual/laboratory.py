@@ -147,22 +147,36 @@ def carry_out(
         InputError: something that the simulator cannot carry.
         DivergenceError: the motion was lost.
     """
-    rng, plant = laboratory.dice_of(number), laboratory.plant
+    rng = laboratory.dice_of(number)
     trial = laboratory.trial_of(run, rng)
-    motion = simulator(name).run(plant, trial, resolution)
-    fs = trial.fs
-    seen = excitation_seen(run, motion.channels)
+    motion = simulator(name).run(laboratory.plant, trial, resolution)
+    return read_by_sensors(laboratory, run, trial, motion.channels, rng), motion
+
+
+def read_by_sensors(
+    laboratory: Laboratory, run: Run, trial: Trial, channels: FloatArray, rng: np.random.Generator
+) -> Record:
+    """The record that the sensors as bought make of a run.
+
+    Args:
+        laboratory: the truth.
+        run: what is done.
+        trial: the same, with what every record has for itself.
+        channels: (n_sensors, N) what moves, SI.
+        rng: for the noise.
+    """
+    fs, plant = trial.fs, laboratory.plant
     responses = np.stack(
         [
             laboratory.sensors[sensor.name].reads(channel, fs, rng)
-            for sensor, channel in zip(plant.sensors, seen, strict=True)
+            for sensor, channel in zip(plant.sensors, excitation_seen(run, channels), strict=True)
         ]
     )
     excitation = None
     if run.driven:
         felt = record_channels(as_read(plant, trial.excitation)[None], 1, trial.n_samples, fs)[0]
         excitation = laboratory.force.reads(excitation_seen(run, felt), fs, rng)
-    record = Record(
+    return Record(
         name=run.name,
         fs=fs,
         excitation=excitation,
@@ -171,4 +185,3 @@ def carry_out(
         excitation_position=trial.position,
         moving_start=not run.driven,
     )
-    return record, motion
