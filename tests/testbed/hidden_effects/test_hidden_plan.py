@@ -41,7 +41,7 @@ def test_a_batch_begins_with_the_kind_and_the_law_that_it_says():
         kinds = [task.kind for task in of_seed(seed) if task.kind in KINDS]
         law = next(task.number for task in of_seed(seed) if task.kind == "outside")
         assert kinds[0] == batch.first_kind
-        assert set(kinds[: len(KINDS)]) == set(KINDS)
+        assert len(set(kinds[: len(KINDS)])) == min(len(kinds), len(KINDS))
         assert OUTSIDE_LAWS[law % len(OUTSIDE_LAWS)].kind == batch.first_law
 
 
