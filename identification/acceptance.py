@@ -1,7 +1,6 @@
 """What is added, what is taken out again, and what the end is called."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from identification.evidence import (
     with_evidence,
 )
 from identification.fit import Fit, fit
-from identification.hypothesis import effect_unknowns
+from identification.hypothesis import but_for_effects, effect_unknowns
 from identification.kept_aside import KeptAside
 from identification.noise_left import NOISE_NEAR
 from identification.outcome import AT_REST_ONLY
@@ -266,10 +265,9 @@ def _refined(session: Session, result: Fit) -> Fit:
 
 def _finer(session: Session, result: Fit, index: int) -> Iterator[Ranked]:
     """The fit with one of its effects in more detail, begun where it says the same."""
-    shared = tuple(unknown for unknown in result.unknowns if getattr(unknown, "effect", -1) < 0)
-    effects = result.hypothesis.effects
-    for effect in effects[index].refined():
-        hypothesis = replace(result.hypothesis, effects=(*effects[:index], effect, *effects[index + 1 :]))
+    shared = but_for_effects(result.unknowns)
+    for effect in result.hypothesis.effects[index].refined():
+        hypothesis = result.hypothesis.with_effect_at(index, effect)
         try:
             found = fit(session.fitting, hypothesis, (*shared, *effect_unknowns(hypothesis)), precise=True)
         except ArithmeticError:

@@ -1,6 +1,6 @@
 """What a hypothesis says of small motion about rest: FRFs on the measured lines, modes beside the measured ones."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -77,7 +77,4 @@ def linear_model(hypothesis: Hypothesis, band: float, position: float | None = N
         band: Hz.
         position: where the force acts, m from the clamp; by default where the rig says.
     """
-    plant = hypothesis.plant()
-    if position is not None and plant.excitation is not None:
-        plant = replace(plant, excitation=plant.excitation.model_copy(update={"position": position}))
-    return linearised(build_modal(plant, band))
+    return linearised(build_modal(hypothesis.plant().driven_at(position), band))

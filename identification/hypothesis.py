@@ -5,7 +5,7 @@ deviation of what is known beforehand.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import exp, inf, log
@@ -96,6 +96,10 @@ class Hypothesis:
     def with_effects(self, *effects: Effect) -> "Hypothesis":
         """With more effects."""
         return replace(self, effects=(*self.effects, *effects))
+
+    def with_effect_at(self, index: int, effect: Effect) -> "Hypothesis":
+        """With an effect in the place of one of its own."""
+        return replace(self, effects=(*self.effects[:index], effect, *self.effects[index + 1 :]))
 
     def without_effect(self, index: int) -> "Hypothesis":
         """Without one of its effects."""
@@ -321,6 +325,11 @@ def _with_effect(hypothesis: Hypothesis, index: int, effect: Effect) -> Hypothes
 def rig_unknowns(rig: Rig) -> tuple[Unknown, ...]:
     """The toleranced numbers of a rig file."""
     return tuple(RigUnknown(parameter) for parameter in rig.parameters())
+
+
+def but_for_effects(unknowns: Iterable[Unknown]) -> tuple[Unknown, ...]:
+    """Those of a fit's unknowns that are no number of an effect."""
+    return tuple(unknown for unknown in unknowns if getattr(unknown, "effect", -1) < 0)
 
 
 def effect_unknowns(hypothesis: Hypothesis, *, places: bool = True) -> tuple[Unknown, ...]:

@@ -7,7 +7,7 @@ from functools import cached_property
 from identification.evaluate import Evaluator
 from identification.evidence import Ranked, misfit_in_common, misfit_of
 from identification.fit import Fit, fit_to_its_end
-from identification.hypothesis import effect_unknowns
+from identification.hypothesis import but_for_effects, effect_unknowns
 from identification.in_step import in_step
 from identification.outcome import EXCLUDED_BY, distinct, members_of
 from identification.pieces import fit_from_own_starts
@@ -98,8 +98,12 @@ class _Court:
         return _Stand.of(self.session.fitting, self.standing, self.index)
 
     @cached_property
+    def everything(self) -> Evaluator:
+        return self.session.all_predicted
+
+    @cached_property
     def whole(self) -> "_Stand":
-        return _Stand.of(self.session.all_predicted, self.session.to_the_end(self.standing), self.index)
+        return _Stand.of(self.everything, self.session.to_the_end(self.standing), self.index)
 
     def fitted(self, row: Ranked, rows: Sequence[Ranked]) -> Ranked:
         """A member with a fit on the part; its evidence is an earlier round's, and no more than the fit leaves it."""
@@ -112,7 +116,7 @@ class _Court:
 
     def held(self, row: Ranked, rows: Sequence[Ranked]) -> tuple[Ranked, Ahead | None]:
         """A member as far behind as all records exclude it, or ahead as far as they exclude the effect that stands."""
-        part, whole = self.session.fitting, self.session.all_predicted
+        part, whole = self.session.fitting, self.everything
         if whole.n_data <= part.n_data:
             return row, None
         label, stands = row.effect.label(), rows[0].effect.label()
@@ -155,17 +159,14 @@ class _Stand:
         Raises:
             ArithmeticError: the model leaves the finite numbers.
         """
-        model = self.fit.hypothesis
-        effects = (*model.effects[: self.index], effect, *model.effects[self.index + 1 :])
-        begun = in_step(self.evaluator, replace(model, effects=effects), (effect,))
+        begun = in_step(self.evaluator, self.fit.hypothesis.with_effect_at(self.index, effect), (effect,))
         starts = [begun] if values is None else [begun, replace(begun, values=values)]
         residuals = self.evaluator.residuals([(start, None) for start in starts])
         stand = [(float(left @ left), start) for left, start in zip(residuals, starts, strict=True) if left is not None]
         if not stand:
             raise ArithmeticError(f"no model with {effect.label()} stays finite")
         _, start = min(stand, key=lambda pair: pair[0])
-        of_the_rest = (unknown for unknown in self.fit.unknowns if getattr(unknown, "effect", -1) < 0)
-        unknowns = (*of_the_rest, *effect_unknowns(start))
+        unknowns = (*but_for_effects(self.fit.unknowns), *effect_unknowns(start))
         return fit_from_own_starts(self.evaluator, fit_to_its_end(self.evaluator, start, unknowns, LAST_ITERATIONS))
 
     def behind(self, found: Fit) -> float:

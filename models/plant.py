@@ -32,6 +32,12 @@ class Plant:
     sensors: tuple[Sensor, ...]
     effects: tuple[Effect, ...]
 
+    def driven_at(self, position: float | None) -> Self:
+        """With its excitation at another place along the beam; as it is where none is given, or nothing drives it."""
+        if position is None or self.excitation is None:
+            return self
+        return replace(self, excitation=self.excitation.model_copy(update={"position": position}))
+
     def later(self, seconds: float) -> Self:
         """As a record meets it that begins so much later: what changes through a record has changed by then."""
         contacts = tuple(contact.later(seconds) for contact in self.contacts)

@@ -1,7 +1,7 @@
 """From a plant and a record's excitation to the channels that the model predicts."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -126,7 +126,7 @@ def simulate(
         DivergenceError: the motion left the finite numbers.
         InputError: a record that does not fit the plant.
     """
-    plant = _at_record(plant, record)
+    plant = plant.driven_at(record.excitation_position)
     sensors = _sensors_of(plant, record)
     model, factor, load = _resolved(plant, record, settings, free or {}, zero)
     drive = drive_of(record, plant, factor, free or {}, zero)
@@ -164,7 +164,7 @@ def motion_at(
     Raises:
         DivergenceError: the motion left the finite numbers before.
     """
-    plant = _at_record(plant, record)
+    plant = plant.driven_at(record.excitation_position)
     model, factor, load = _resolved(plant, record, settings, free or {}, zero)
     drive, h = drive_of(record, plant, factor, free or {}, zero), 1.0 / (factor * record.fs)
     out, trace, everything = np.empty((2 * model.n, sample * factor + 1)), np.empty((0, 0)), np.eye(model.n)
@@ -284,12 +284,6 @@ def load_of(model: ModalModel, drive: Drive) -> float:
     inputs = ((drive.force, 1.0), (drive.base, inertia))
     peak = sum(scale * float(np.abs(signal).max()) for signal, scale in inputs if signal is not None)
     return peak + float(np.abs(model.rest.law_forces).sum() + np.abs(model.rest.contact_forces).sum()) or 1.0
-
-
-def _at_record(plant: Plant, record: Record) -> Plant:
-    if record.excitation_position is None or plant.excitation is None:
-        return plant
-    return replace(plant, excitation=plant.excitation.model_copy(update={"position": record.excitation_position}))
 
 
 def _sensors_of(plant: Plant, record: Record) -> tuple[Sensor, ...]:

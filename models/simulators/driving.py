@@ -1,7 +1,5 @@
 """What drives the simulators between the samples of a record."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from models.arrays import FloatArray
@@ -33,10 +31,3 @@ def driven(plant: Plant, trial: Trial, factor: int, bend: float = 0.0) -> tuple[
         base = base.copy()
         base[2] += bend * np.gradient(np.gradient(base[2]))
     return np.ascontiguousarray(force), np.ascontiguousarray(base)
-
-
-def at_place(plant: Plant, trial: Trial) -> Plant:
-    """The plant with its excitation where the trial's force acts."""
-    if trial.position is None or plant.excitation is None:
-        return plant
-    return replace(plant, excitation=plant.excitation.model_copy(update={"position": trial.position}))

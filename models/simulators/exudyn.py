@@ -13,7 +13,7 @@ from models.cable.course import Course
 from models.cable.matrices import PLANE, SPACE, Layout
 from models.cable.moving import march, natural_freqs, settle
 from models.plant import Plant
-from models.simulators.driving import at_place, driven
+from models.simulators.driving import driven
 from models.simulators.protocol import Motion, Resolution, Simulator, Trial, beam_limits, of_the_chain
 from models.simulators.recorded import recorded
 from models.structure import Structure
@@ -54,7 +54,7 @@ class Exudyn(Simulator):
 
     def carry_out(self, plant: Plant, trial: Trial, resolution: Resolution) -> Motion:
         """One test."""
-        plant = at_place(plant, trial)
+        plant = plant.driven_at(trial.position)
         fastest = _contact_rate(plant)
         n = resolution.n_parts or n_elements(plant.structure, STOP_EDGE * trial.fs, fastest)
         factor = resolution.steps_per_sample or ceil(max(1.0 / STEP, fastest / sqrt(STIFF)) / trial.fs)

@@ -16,7 +16,7 @@ from models.modal import ModalModel, build_modal
 from models.plant import Plant
 from models.rest import find_rest
 from models.simulate import FORCE_TOLERANCE, load_of, steps_per_sample
-from models.simulators.driving import at_place, driven
+from models.simulators.driving import driven
 from models.simulators.protocol import EnergyBalance, Hold, Motion, Resolution, Simulator, Trial, of_the_chain
 from models.simulators.recorded import Steps, recorded
 from models.step_tables import items_of
@@ -39,7 +39,7 @@ class Modal(Simulator):
 
     def carry_out(self, plant: Plant, trial: Trial, resolution: Resolution) -> Motion:
         """One test."""
-        plant = at_place(plant, trial)
+        plant = plant.driven_at(trial.position)
         model = build_modal(plant, STOP_EDGE * trial.fs, resolution.n_parts)
         load = load_of(model, true_drive(trial.excitation, trial.fs, plant, 1, trial.free))
         factor = resolution.steps_per_sample or steps_per_sample(model, trial.fs, load)

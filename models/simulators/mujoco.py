@@ -14,7 +14,7 @@ from models.chain.rig_chain import RigChain, build_chain
 from models.chain.segments import Segments
 from models.plant import Plant
 from models.ports import Port
-from models.simulators.driving import at_place, driven
+from models.simulators.driving import driven
 from models.simulators.protocol import Motion, Resolution, Simulator, Trial, beam_limits
 from models.simulators.recorded import recorded
 
@@ -60,7 +60,7 @@ class Mujoco(Simulator):
 
     def carry_out(self, plant: Plant, trial: Trial, resolution: Resolution) -> Motion:
         """One test."""
-        plant = at_place(plant, trial)
+        plant = plant.driven_at(trial.position)
         n = resolution.n_parts or n_segments(plant, trial.fs)
         factor = resolution.steps_per_sample or ceil(1.0 / (trial.fs * largest_step(_still(plant, n, resolution))))
         step = 1.0 / (trial.fs * factor)

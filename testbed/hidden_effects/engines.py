@@ -15,7 +15,7 @@ import numpy as np
 from models.chain.segments import Segments
 from models.errors import DivergenceError
 from models.plant import Plant, build_plant
-from models.simulators import simulator
+from models.simulators import protocol, simulator
 from models.simulators.mujoco import n_segments
 from models.simulators.protocol import Resolution
 from testbed.hidden_effects.imitation import Imitation
@@ -47,17 +47,17 @@ def engine_for(task: Task, trial: Trial, truth: Truth, rng: np.random.Generator)
         rng: draws the noise that the difference is compared with.
     """
     plain, fs = build_plant(truth.built), trial.fs
-    forces = [trial.first_seconds(name) for name in WATCHED]
+    tests = [protocol.Trial(fs, trial.first_seconds(name)) for name in WATCHED]
     imitation = Imitation(trial, truth.noise, rng, WATCHED)
     for engine in _turns(task):
         if engine == FINE:
             break
         if simulator(engine).cannot_carry(truth.plant, Resolution()):
             continue
-        exact = [moved(FINE, Resolution(), plain, force, fs, {}) for force in forces]
+        exact = [moved(FINE, Resolution(), plain, test) for test in tests]
         for resolution in _resolutions(engine, truth.plant, fs):
             try:
-                coarse = [moved(engine, resolution, plain, force, fs, {}) for force in forces]
+                coarse = [moved(engine, resolution, plain, test) for test in tests]
             except DivergenceError:
                 continue
             if imitation.shown_by([one - other for one, other in zip(coarse, exact, strict=True)], ROUNDS) <= RESOLVED:

@@ -12,12 +12,10 @@ from threadpoolctl import threadpool_limits
 from identification.diagnose import diagnose
 from identification.next_experiment.proposal import Proposal
 from identification.result import Diagnosis
-from models.arrays import FloatArray
-from models.plant import build_plant
 from models.record import Record
 from models.rig import Rig
 from models.simulators import simulator
-from models.simulators.protocol import Resolution, Trial
+from models.simulators.protocol import Resolution
 from testbed.hidden_effects.case_run import hidden_in, judged_case, told
 from testbed.hidden_effects.cases import Case, draw_case
 from testbed.hidden_effects.plan import Task
@@ -27,7 +25,7 @@ from testbed.outputs import Json
 from testbed.proposal import EXPERIMENT, proposal_json, write_experiment
 from testbed.virtual.campaign import runs_of
 from testbed.virtual.experiment import read_experiment
-from testbed.virtual.laboratory import Laboratory, laboratory_of, read_by_sensors
+from testbed.virtual.laboratory import laboratory_of, read_by_sensors
 
 Outcome = Literal["told apart", "still open", "wrong", "no group", "no test", "no simulator"]
 """What came of a group: by the test, or why there was none. ``no group``: the diagnosis of today states none."""
@@ -127,18 +125,8 @@ def carried_out(case: Case, proposal: Proposal, engine: str, resolution: Resolut
     laboratory = replace(laboratory_of(experiment, rig), built=built, hidden=case.truth.hidden)
     rng = laboratory.dice_of(0)
     trial = laboratory.trial_of(run, rng)
-    return rig, read_by_sensors(laboratory, run, trial, _channels(laboratory, trial, engine, resolution), rng)
-
-
-def _channels(laboratory: Laboratory, trial: Trial, engine: str, resolution: Resolution) -> FloatArray:
-    """(n_sensors, N) what moves."""
-    if engine != FINE:
-        return simulator(engine).run(laboratory.plant, trial, resolution).channels
-    shaker = laboratory.built.excitation
-    if shaker is not None and trial.position is not None:
-        shaker = shaker.model_copy(update={"position": trial.position})
-    plant = build_plant(laboratory.built.model_copy(update={"excitation": shaker}), laboratory.hidden)
-    return moved(FINE, resolution, plant, trial.excitation, trial.fs, trial.free)
+    channels = moved(engine, resolution, laboratory.plant, trial)
+    return rig, read_by_sensors(laboratory, run, trial, channels, rng)
 
 
 def _stated(diagnosis: Diagnosis, case: Case) -> Json:

@@ -58,26 +58,23 @@ class Truth:
         return replace(self, engine=engine, resolution=resolution)
 
 
-def moved(
-    engine: str, resolution: Resolution, plant: Plant, force: FloatArray, fs: float, free: Mapping[str, float]
-) -> FloatArray:
+def moved(engine: str, resolution: Resolution, plant: Plant, trial: Trial) -> FloatArray:
     """(n_sensors, N) the channels without noise.
 
     Args:
         engine: of ``ENGINES``, or ``MODEL``.
         resolution: where the engine is none of our finite elements, which have their own.
         plant: what moves.
-        force: (N,) true, N.
-        fs: Hz.
-        free: numbers that the record has for itself.
+        trial: what is done; what is held first, our finite elements do not let go.
 
     Raises:
         DivergenceError: the engine lost the motion.
         InputError: no state at rest is found.
     """
-    if engine == FINE:
-        return fine_response(plant, force, fs, FineSettings(steps_per_sample=round(FINE_RATE / fs), free=free))
-    return simulator(engine).run(plant, Trial(fs, force, free=free), resolution).channels
+    if engine != FINE:
+        return simulator(engine).run(plant, trial, resolution).channels
+    settings = FineSettings(steps_per_sample=round(FINE_RATE / trial.fs), free=trial.free)
+    return fine_response(plant.driven_at(trial.position), trial.excitation, trial.fs, settings)
 
 
 def measure(truth: Truth, name: str, force: FloatArray, fs: float, rng: np.random.Generator) -> tuple[Record, float]:
@@ -92,7 +89,7 @@ def measure(truth: Truth, name: str, force: FloatArray, fs: float, rng: np.rando
     """
     plant = truth.plant
     free = drawn(plant, rng)
-    clean = moved(truth.engine, truth.resolution, plant, force, fs, free)
+    clean = moved(truth.engine, truth.resolution, plant, Trial(fs, force, free=free))
     reading = record_channels(as_read(plant, force)[None], 1, len(force), fs)[0]
     record = Record(
         name=name,
