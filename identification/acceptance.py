@@ -323,26 +323,33 @@ def verdict_of(
 
 
 def refuted(session: Session, calibrated: Fit, final: Fit, last: Fit, kept: KeptAside) -> bool:
-    """Whether a model comes near the noise but neither reaches it nor predicts what was kept aside.
+    """Whether a model that comes near the noise or reaches it is no diagnosis by what was kept aside.
 
-    That is no diagnosis. Far from the noise, as on real structures, all models miss, and the best predicts badly too.
-    So may the right one where next to nothing is left of a large misfit: what two ways to compute the same rig differ
-    by is above the noise of a quiet sensor.
+    One that reaches the noise where it was fitted is refuted if no numbers let it explain the records kept aside as
+    well. One that only comes near is by predicting them badly. Far from the noise, as on real structures, all models
+    miss, and the best predicts badly too. So may the right one where next to nothing is left of a large misfit: what
+    two ways to compute the same rig differ by is above the noise of a quiet sensor.
 
     Args:
         session: told.
         calibrated: the model without effects.
         final: the model that stands.
         last: the same fitted to all records.
-        kept: what it is worth on records kept aside.
+        kept: what it is worth on records kept aside, with other numbers too (``kept_aside.with_other_numbers``).
     """
-    if not NOISE_REACHED < last.ratio <= NOISE_NEAR or not kept.missed or takes_away(calibrated, final) >= BEYOND_DOUBT:
+    if kept.holds or last.ratio > NOISE_NEAR:
         return False
-    names = " and ".join(effect.label() for effect in last.hypothesis.effects)
-    session.decide(
-        f"unexplained after all: {names} comes nearest, but leaves {last.ratio:.2f} times the noise where fitted, "
-        f"and what was learnt does not hold on {' and '.join(kept.missed)}"
-    )
+    nearest = f"{' and '.join(effect.label() for effect in last.hypothesis.effects)} comes nearest"
+    names = " and ".join(kept.missed)
+    if last.ratio > NOISE_REACHED:
+        if takes_away(calibrated, final) >= BEYOND_DOUBT:
+            return False
+        why = f"leaves {last.ratio:.2f} times the noise where fitted, and what was learnt does not hold on {names}"
+    elif kept.left is None:
+        return False
+    else:
+        why = f"whatever its numbers does not explain {names} beside what was learnt from"
+    session.decide(f"unexplained after all: {nearest}, but {why}")
     return True
 
 

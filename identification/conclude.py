@@ -130,7 +130,7 @@ def concluded(
     beside = runs_beside(heard, calibrated.hypothesis)
     forces = forces_of(beside)
     updated_maps = tuple(error_map(record) for record in stages[-1].score.records)
-    among = tried(stages[-1].score, holds=not kept.missed)
+    among = tried(stages[-1].score, holds=kept.holds)
     located = _located(session, heard, calibrated.hypothesis, beside)
     proposal = next_experiment(
         session,

@@ -33,7 +33,7 @@ from identification.followed_again import begin_again, fails_in_pieces, go_on
 from identification.hypothesis import Hypothesis
 from identification.in_all_sleeves import fallen_apart, in_all_sleeves
 from identification.instead import Instead, ahead_by_all, instead_of, within_tolerances
-from identification.kept_aside import KeptAside, kept_aside
+from identification.kept_aside import KeptAside, kept_aside, with_other_numbers
 from identification.outcome import AT_REST_ONLY
 from identification.prepare import cut_to, horizons, prepare
 from identification.progress import Progress, silent
@@ -165,11 +165,13 @@ def _searched(
     chain[-1], rounds = fallen_apart(chain[-1], rounds)
     verdict, final, last = _ended(session, chain, rounds, stages)
     kept = kept_aside(session, given, last.hypothesis, holdout)
-    if verdict == "missing_effect" and refuted(session, chain[0], final, last, kept):
-        verdict, final = "unexplained", chain[0]
-        last = settled(session, final)
-        calibrated = kept_aside(session, given, last.hypothesis, holdout)
-        kept = replace(calibrated, missed=calibrated.missed or kept.missed)
+    if verdict == "missing_effect":
+        kept = with_other_numbers(session, last, kept)
+        if refuted(session, chain[0], final, last, kept):
+            verdict, final = "unexplained", chain[0]
+            last = settled(session, final)
+            calibrated = kept_aside(session, given, last.hypothesis, holdout)
+            kept = replace(calibrated, missed=calibrated.missed or kept.missed)
     return _Found(chain, rounds, verdict, final, last, kept)
 
 

@@ -348,3 +348,14 @@ def test_an_effect_whose_size_is_not_known_is_kept_where_the_other_records_need_
     assert session.decisions == []
     assert in_doubt(session, calibrated, final, unsure) == (None if kept else (0, NO_SIZE))
     assert [text.startswith("point_mass at 0.700 m: its size moves far") for text in session.decisions] == [True] * kept
+
+
+@pytest.mark.parametrize(("left", "expected"), [(None, False), (1.1, False), (1.3, True)])
+def test_what_reaches_the_noise_is_refuted_only_if_no_numbers_explain_what_was_kept_aside(left, expected):
+    session, last = Listener(), fit_with_ratio(1.05, effect=True)
+    kept = KeptAside({}, {"burst": "what was learnt does not hold there"}, left=left)
+
+    assert refuted(session, fit_with_ratio(50.0, effect=False), last, last, kept) == expected
+
+    told = f"unexplained after all: {MASS.label()} comes nearest, but whatever its numbers does not explain burst "
+    assert session.decisions == ([f"{told}beside what was learnt from"] if expected else [])
