@@ -4,16 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from trial_records import OSCILLATOR, evaluator_of, measured, multisine, rising_session
+from trial_records import OSCILLATOR, REFERENCE, evaluator_of, measured, multisine, rising_session
 
 from identification.evaluate import carry_noise
 from identification.fit import fit
-from identification.hypothesis import Hypothesis, rig_unknowns
+from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
+from identification.prepare import Horizon, cut_to
 from identification.reached import reaches_noise
 from identification.session import Session
 from models.effects import EFFECTS, Place
 from models.effects.cubic_stiffness import CubicStiffness
 from models.effects.end_stop import EndStop
+from models.effects.time_varying_damping import TimeVaryingDamping
 
 
 def test_what_only_the_end_of_a_record_shows_makes_the_whole_of_it_count():
@@ -104,6 +106,23 @@ def test_a_record_is_used_as_far_as_the_model_that_explains_it_sees():
     assert "neighbouring motions part" in session.decisions[-1]
     assert ended.ratio == pytest.approx(1.0, abs=0.1)
     assert f"{session.limits[0].seconds:.1f} of 4.0 s" in session.not_followed
+
+
+def test_a_table_in_time_is_told_value_by_value():
+    """Of five values the part that is fitted tells three, and the others begin far off."""
+    place, times, values = Place(sleeve=REFERENCE.sleeves[-1].name), (0.0, 1.0, 2.0, 3.0, 4.0), (12, 17, 48, 1.2, 4.6)
+    truth = Hypothesis(REFERENCE, effects=(TimeVaryingDamping(place, times=times, values=values),))
+    everything = evaluator_of(measured(truth, multisine(8192, rms=5.0)))
+    limits = [Horizon("test", 1.0, 4.0)]
+    session = Session(everything, cut_to(everything, 1.6, limits), limits, EFFECTS, lambda _: None, 0)
+    begun = truth.with_effect_at(0, TimeVaryingDamping(place, times=times, values=(*values[:3], 200.0, 200.0)))
+    part = fit(session.fitting, begun, (*rig_unknowns(REFERENCE), *effect_unknowns(begun)), precise=True)
+    assert part.hypothesis.effects[0].values[3:] == (200.0, 200.0)
+
+    ended = session.to_the_end(part)
+
+    assert ended.ratio == pytest.approx(1.0, abs=0.05)
+    assert ended.hypothesis.effects[0].values == pytest.approx(values, rel=0.02)
 
 
 def test_numbers_that_the_forces_noise_pardons_are_asked_for_once_a_calibration(monkeypatch):
