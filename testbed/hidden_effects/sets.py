@@ -338,7 +338,18 @@ REPORTED = CaseSet(
             first_kind="absorber",
             first_law="fading_friction",
         ),
-        36607: Batch("f56a61c", first_kind="stiffness_drift", first_law="relaxing_spring"),
+        36607: Batch(
+            "83b624e",
+            9,
+            taught="nothing yet: a spring whose force relaxes, made of three effects where it was learnt, which do not "
+            "hold on the record held out",
+            run="Up to three other processes ran beside it on two cores, so its seconds are too high; ended by hand "
+            "when a record kept aside had been given the right to refute: the next seed judges that. The case then at "
+            "work is left out.",
+            first_kind="stiffness_drift",
+            first_law="relaxing_spring",
+        ),
+        37703: Batch("94fcf5d", first_kind="mains_hum", first_law="relaxing_spring"),
     },
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),
