@@ -65,9 +65,11 @@ def instead_of(
         now = _fitted(session, calibrated, [replace(each, effects=others) for each in numbers])
         if now is None or not comes_as_near(now, found):
             continue
+        as_it_was, said = session.as_it_is(), len(session.decisions)
         ended = session.to_the_end(now)
         if ended.n_data == before.n_data and comes_as_near(ended, before):
             return Instead(now, _put_first(row, now, index, ranked, asked), AS_WELL)
+        _undo(session, as_it_was, said)
     return None
 
 
@@ -97,8 +99,10 @@ def within_tolerances(
         others = beside if [e.kind for e in beside] == [e.kind for e in rest] else rest
         effects = (*others[:index], row.effect, *others[index:])
         now = _fitted(session, calibrated, [replace(row.fit.hypothesis, effects=effects)])
+        as_it_was, said = session.as_it_is(), len(session.decisions)
         if now is not None and is_enough(session, now) and _holds_throughout(session, now):
             return Instead(now, _put_first(row, now, index, ranked, asked), WITHIN)
+        _undo(session, as_it_was, said)
     return None
 
 
@@ -137,6 +141,12 @@ def ahead_by_all(
     session.back_to(before)
     session.decide(f"all records speak for {label}, which would not stand itself")
     return None
+
+
+def _undo(session: Session, before: Session, said: int) -> None:
+    """The session as it was before a law was held against all records in vain, and what was said of that unsaid."""
+    session.back_to(before)
+    del session.decisions[said:]
 
 
 def _put_ahead(ahead: Ahead, ranked: Sequence[Ranked]) -> list[Ranked]:

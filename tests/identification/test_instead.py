@@ -70,6 +70,21 @@ def test_what_explains_less_or_was_asked_already_takes_no_place(session, calibra
     assert instead_of(session, calibrated, found, 1, beaten, ["absorber"]) is None
 
 
+def test_how_far_a_refused_law_is_followed_is_not_kept(session, calibrated, monkeypatch):
+    ranked = round_of(session, STIFF, MASS)
+    ended, limits, told = session.to_the_end(ranked[0].fit), [*session.limits], [*session.decisions]
+
+    def shortened(found):
+        session.limits[0] = replace(limits[0], seconds=0.1)
+        session.decide("followed for 0.1 s")
+        return replace(found, n_data=ended.n_data // 2)
+
+    monkeypatch.setattr(session, "to_the_end", lambda found: ended if found is ranked[0].fit else shortened(found))
+
+    assert instead_of(session, calibrated, ranked[0].fit, 1, ranked, ["absorber"]) is None
+    assert (session.limits, session.decisions) == (limits, told)
+
+
 def test_what_says_why_a_number_leaves_its_tolerance_takes_the_place_of_what_only_stood_beside_it():
     sleeve = REFERENCE.sleeves[1]
     stiffer = ContactStiffness(Place(sleeve=sleeve.name, position=sleeve.position), ratio=2.0)
