@@ -301,10 +301,11 @@ def _ended(
     An effect whose size these intervals do not tell from none, or whose law or place they do not tell, is taken out,
     with its round. Before that, a law or a place gives way to a simpler law of its round that explains as much, and a
     size, beside a number at the end of its tolerance, to a law that needs none there. What is established gives way to
-    what all records speak for. The last round stays where it is needed to show what was weighed.
+    what all records speak for. A kind that gave way is out: it does not come back to its place. The last round stays
+    where it is needed to show what was weighed.
     """
     taken_out, looked = False, bool(rounds)
-    final, weighed, asked, gone = chain[-1], rounds[:1], [set[str]() for _ in rounds], [set[str]() for _ in rounds]
+    final, weighed, out = chain[-1], rounds[:1], [set[str]() for _ in rounds]
     while True:
         verdict = verdict_of(session, chain[0], final, taken_out=taken_out, looked=looked)
         final = final if verdict == "missing_effect" else chain[0]
@@ -314,18 +315,18 @@ def _ended(
             rounds += [] if rounds else weighed
             return verdict, final, last
         if doubted is None:
-            exchange = _ahead(session, chain[0], final, rounds, gone)
+            exchange = _ahead(session, chain[0], final, rounds, out)
             if exchange is None or not _exchanged_for(session, stages, final, *exchange):
                 return verdict, final, last
             index, other = exchange
-            gone[index].add(final.hypothesis.effects[index].kind)
+            out[index].add(final.hypothesis.effects[index].kind)
             final, rounds[index] = other.fit, other.ranked
             continue
         index, why = doubted
         effect = final.hypothesis.effects[index]
-        asked[index].add(effect.kind)
+        out[index].add(effect.kind)
         look = within_tolerances if why == NO_SIZE else instead_of
-        instead = look(session, chain[0], final, index, rounds[index], asked[index])
+        instead = look(session, chain[0], final, index, rounds[index], out[index])
         if instead is not None and _exchanged_for(session, stages, final, index, instead, why):
             final, rounds[index] = instead.fit, instead.ranked
             continue
@@ -338,21 +339,20 @@ def _ended(
             final = chain[0]
             stages.append(session.stage(label, final.hypothesis))
         weighed = [rounds.pop(index)]
-        asked.pop(index)
-        gone.pop(index)
+        out.pop(index)
         del rounds[len(final.hypothesis.effects) :]  # what was weighed beside it and not taken
 
 
 def _ahead(
-    session: Session, calibrated: Fit, final: Fit, rounds: list[list[Ranked]], gone: Sequence[Collection[str]]
+    session: Session, calibrated: Fit, final: Fit, rounds: list[list[Ranked]], out: Sequence[Collection[str]]
 ) -> tuple[int, Instead] | None:
     """The first effect against which all records speak for another, and that; the rounds are held against them.
 
-    No kind that has gone before comes back: pieces are begun by the model that stands.
+    No kind that is out comes back: pieces are begun by the model that stands.
     """
     for index in range(len(final.hypothesis.effects)):
         rounds[index], ahead = told_by_all(session, rounds[index], final, index)
-        for each in (each for each in ahead if each.row.effect.kind not in gone[index]):
+        for each in (each for each in ahead if each.row.effect.kind not in out[index]):
             other = ahead_by_all(session, calibrated, final, index, rounds[index], each)
             if other is not None:
                 return index, other

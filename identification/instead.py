@@ -43,7 +43,7 @@ class Instead:
 
 
 def instead_of(
-    session: Session, calibrated: Fit, found: Fit, index: int, ranked: Sequence[Ranked], asked: Collection[str]
+    session: Session, calibrated: Fit, found: Fit, index: int, ranked: Sequence[Ranked], out: Collection[str]
 ) -> Instead | None:
     """The best simpler law of an effect's round with which the model comes as near to all records, or None.
 
@@ -53,12 +53,12 @@ def instead_of(
         found: with the effect whose law is not established, fitted to the end of the records just before.
         index: of that effect.
         ranked: its round.
-        asked: kinds that were found not to be established in its place.
+        out: kinds that gave way in its place before.
     """
     effects, before = found.hypothesis.effects, session.to_the_end(found)
     for row in ranked:
         simpler = len(row.effect.parts()) == 1 and row.effect.n_numbers < effects[index].n_numbers
-        if not row.refitted or not simpler or row.effect.kind in asked:
+        if not row.refitted or not simpler or row.effect.kind in out:
             continue
         others = (*effects[:index], row.effect, *effects[index + 1 :])
         numbers = (row.fit.hypothesis, found.hypothesis)[: len(effects)]  # beside other effects either may be bent
@@ -68,13 +68,13 @@ def instead_of(
         as_it_was, said = session.as_it_is(), len(session.decisions)
         ended = session.to_the_end(now)
         if ended.n_data == before.n_data and comes_as_near(ended, before):
-            return Instead(now, _put_first(row, now, index, ranked, asked), AS_WELL)
+            return Instead(now, _put_first(row, now, index, ranked, out), AS_WELL)
         _undo(session, as_it_was, said)
     return None
 
 
 def within_tolerances(
-    session: Session, calibrated: Fit, found: Fit, index: int, ranked: Sequence[Ranked], asked: Collection[str]
+    session: Session, calibrated: Fit, found: Fit, index: int, ranked: Sequence[Ranked], out: Collection[str]
 ) -> Instead | None:
     """The best law of an effect's round that reaches the noise with every number within its tolerance, or None.
 
@@ -87,11 +87,11 @@ def within_tolerances(
         found: with the effect whose size is not established.
         index: of that effect.
         ranked: its round.
-        asked: kinds that were found not to be established in its place.
+        out: kinds that gave way in its place before.
     """
     rest = found.hypothesis.without_effect(index).effects
     for row in ranked if strained(found) else []:
-        if not row.refitted or len(row.effect.parts()) > 1 or row.effect.kind in asked:
+        if not row.refitted or len(row.effect.parts()) > 1 or row.effect.kind in out:
             continue
         if row.fit.ratio > NOISE_REACHED or strained(row.fit):
             continue
@@ -101,7 +101,7 @@ def within_tolerances(
         now = _fitted(session, calibrated, [replace(row.fit.hypothesis, effects=effects)])
         as_it_was, said = session.as_it_is(), len(session.decisions)
         if now is not None and is_enough(session, now) and _holds_throughout(session, now):
-            return Instead(now, _put_first(row, now, index, ranked, asked), WITHIN)
+            return Instead(now, _put_first(row, now, index, ranked, out), WITHIN)
         _undo(session, as_it_was, said)
     return None
 
@@ -175,12 +175,12 @@ def _fitted(session: Session, calibrated: Fit, starts: Sequence[Hypothesis]) -> 
     return min(fits, key=lambda each: each.cost, default=None)
 
 
-def _put_first(row: Ranked, now: Fit, index: int, ranked: Sequence[Ranked], asked: Collection[str]) -> list[Ranked]:
-    """The round with a row first, fitted now: what is not established has the odds of a number not needed, at most."""
+def _put_first(row: Ranked, now: Fit, index: int, ranked: Sequence[Ranked], out: Collection[str]) -> list[Ranked]:
+    """The round with a row first, fitted now: what gave way to it has the odds of a number not needed, at most."""
     first = replace(row, fit=now, effect=now.hypothesis.effects[index])
     most = first.log_evidence - log(SIMPLER)
     rows = [
-        replace(each, log_evidence=min(each.log_evidence, most)) if each.effect.kind in asked else each
+        replace(each, log_evidence=min(each.log_evidence, most)) if each.effect.kind in out else each
         for each in ranked
         if each is not row
     ]
