@@ -1,6 +1,7 @@
 """Records kept aside: whether what was learnt holds on what no fit has seen."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from math import inf, sqrt
 
@@ -28,8 +29,8 @@ class KeptAside:
         missed: record on which what was learnt does not hold -> a sentence that says so.
         followed: the records, each as far as neighbouring motions stay together, and the model with the states that
             they begin in; None where nothing was kept or a motion is lost.
-        left: residual over noise that remains of them where the model's numbers may be others, as long as these explain
-            what was learnt from as well; None where that was not asked or not told (``with_other_numbers``).
+        left: residual over noise that remains of those missed where the model's numbers may be others, as long as these
+            explain what was learnt from as well; None where that was not asked or not told (``with_other_numbers``).
     """
 
     scores: Mapping[str, Score] = field(default_factory=dict)
@@ -77,7 +78,7 @@ def kept_aside(session: Session, given: Hypothesis, updated: Hypothesis, records
 def with_other_numbers(session: Session, last: Fit, kept: KeptAside) -> KeptAside:
     """Whether a model that misses a record kept aside lacks something, or is only not told well enough.
 
-    What is added to chi-square where the records kept aside are fitted beside the others is their distance from what
+    What is added to chi-square where the records it misses are fitted beside the others is their distance from what
     was predicted in units of noise and of what is not told of the numbers together, as far as the model is linear
     about them; unlike that distance it also tells of numbers farther off. These fits are asked for that alone: the
     numbers of the model stay those that were learnt without the records kept aside.
@@ -91,31 +92,42 @@ def with_other_numbers(session: Session, last: Fit, kept: KeptAside) -> KeptAsid
     """
     if not kept.missed or kept.followed is None or last.ratio > NOISE_REACHED:
         return kept
-    followed, known = kept.followed
+    evaluator, known = kept.followed
+    followed = evaluator.with_targets([each for each in evaluator.targets if each.record.name in kept.missed])
     learnt = session.all_predicted
     both = resolved(learnt.with_targets([*learnt.targets, *followed.targets]), known)
     names = " and ".join(kept.missed)
     session.progress(f"looking for numbers that explain {names} too, on {both.extent}")
-    try:
-        unknowns = (*unknowns_of(known, both), *effect_unknowns(known))
-        begun = calibrate(both, known, unknowns).hypothesis  # far off, whole records have many valleys
-        together = fit_to_its_end(both, begun, unknowns, LAST_ITERATIONS)
-    except ArithmeticError as lost:
-        session.decide(f"whether other numbers explain {names} too was not told: {lost}")
-        return kept
-    left = sqrt(max(together.cost - last.cost, 0.0) / (together.n_data - last.n_data))
+    left, nearest = inf, known
+    for together in _fits_of(both, known):
+        more = sqrt(max(together.cost - last.cost, 0.0) / (together.n_data - last.n_data))
+        left, nearest = min((left, nearest), (more, together.hypothesis), key=lambda pair: pair[0])
+        if left <= NOISE_REACHED:
+            break
     asked = replace(kept, left=left)
     if asked.holds:
         words = "with other numbers the same model explains it as well as what was learnt from"
         session.decide(f"{names}: {words}")
         return replace(asked, missed={name: f"{told}, but {words}" for name, told in kept.missed.items()})
-    if score(followed, together.hypothesis).nrmse > FAR_FROM_MOTION:
+    if left == inf or score(followed, nearest).nrmse > FAR_FROM_MOTION:
         session.decide(
             f"no numbers were found that explain {names} too, but so much is left that they may be elsewhere"
         )
         return kept
-    session.decide(f"whatever its numbers, the model leaves {left:.2f} times the noise of what was kept aside")
+    session.decide(f"whatever its numbers, the model leaves {left:.2f} times the noise of {names}")
     return asked
+
+
+def _fits_of(both: Evaluator, known: Hypothesis) -> Iterator[Fit]:
+    """The model fitted to all records from where it is, and from numbers found on ever more of them.
+
+    Far off, whole records have many valleys.
+    """
+    unknowns = (*unknowns_of(known, both), *effect_unknowns(known))
+    with suppress(ArithmeticError):
+        yield fit_to_its_end(both, known, unknowns, LAST_ITERATIONS)
+    with suppress(ArithmeticError):
+        yield fit_to_its_end(both, calibrate(both, known, unknowns).hypothesis, unknowns, LAST_ITERATIONS)
 
 
 def _prepared(session: Session, updated: Hypothesis, records: Sequence[AnyRecord]) -> tuple[Evaluator, Hypothesis]:

@@ -131,8 +131,8 @@ def test_nothing_kept_is_nothing_said():
     assert (dict(kept.scores), kept.missed, decisions) == ({}, {}, [])
 
 
-def learnt_as(law, rms, *, hidden=SLIGHTLY_HARD, learnt=(10.0, 0.03)):
-    """A session, a law fitted to a record of one level and noise, and what it is worth at another level."""
+def learnt_as(law, *levels, hidden=SLIGHTLY_HARD, learnt=(10.0, 0.03)):
+    """A session, a law fitted to a record of one level and noise, and what it is worth at other levels."""
     truth, (level, noise) = Hypothesis(RIG, effects=(hidden,)), learnt
     pair = measured(truth, multisine(4096, rms=level), noise=noise)
     everything = evaluator_of(pair, rig=RIG)
@@ -140,14 +140,14 @@ def learnt_as(law, rms, *, hidden=SLIGHTLY_HARD, learnt=(10.0, 0.03)):
     model = Hypothesis(RIG, effects=(law,))
     found = fit(session.fitting, model, (*rig_unknowns(RIG), *effect_unknowns(model)), precise=True)
     last = settled(session, found)
-    louder, _ = measured(truth, multisine(4096, rms=rms, seed=11), name="louder")
-    return session, last, kept_aside(session, Hypothesis(RIG), last.hypothesis, [louder])
+    others = [measured(truth, multisine(4096, rms=rms, seed=11), name=f"at {rms:g} N")[0] for rms in levels]
+    return session, last, kept_aside(session, Hypothesis(RIG), last.hypothesis, others)
 
 
 def test_a_law_whose_size_was_not_told_explains_the_rest_with_another():
     session, last, kept = learnt_as(SLIGHTLY_HARD, 50.0)
     assert last.ratio == pytest.approx(1.0, abs=0.05)
-    assert (set(kept.missed), kept.holds) == ({"louder"}, False)
+    assert (set(kept.missed), kept.holds) == ({"at 50 N"}, False)
     before = last.hypothesis.effects
 
     asked = with_other_numbers(session, last, kept)
@@ -156,20 +156,29 @@ def test_a_law_whose_size_was_not_told_explains_the_rest_with_another():
     assert (asked.holds, asked.scores) == (True, kept.scores)
     assert last.hypothesis.effects == before
     words = "with other numbers the same model explains it as well as what was learnt from"
-    assert asked.missed == {"louder": f"{kept.missed['louder']}, but {words}"}
-    assert session.decisions[-1] == f"louder: {words}"
+    assert asked.missed == {"at 50 N": f"{kept.missed['at 50 N']}, but {words}"}
+    assert session.decisions[-1] == f"at 50 N: {words}"
 
 
 def test_a_law_that_is_another_does_not_whatever_its_size():
     session, last, kept = learnt_as(BENT, 50.0)
     assert last.ratio == pytest.approx(1.0, abs=0.05)
-    assert set(kept.missed) == {"louder"}
+    assert set(kept.missed) == {"at 50 N"}
 
     asked = with_other_numbers(session, last, kept)
 
     assert NOISE_REACHED < asked.left < kept.scores["updated"].nrmse / kept.scores["updated"].noise_nrmse
     assert not asked.holds
     assert session.decisions[-1].startswith("whatever its numbers, the model leaves 1.5")
+
+
+def test_a_record_that_holds_says_nothing_of_one_that_is_missed():
+    session, last, kept = learnt_as(BENT, 50.0)
+    alone = with_other_numbers(session, last, kept)
+    session, last, both = learnt_as(BENT, 50.0, 10.0)
+    assert both.missed.keys() == kept.missed.keys()
+
+    assert with_other_numbers(session, last, both).left == pytest.approx(alone.left)
 
 
 def test_a_fit_that_may_have_gone_astray_refutes_nothing(monkeypatch):
