@@ -18,7 +18,7 @@ from identification.fit import Fit, fit
 from identification.hypothesis import but_for_effects, effect_unknowns
 from identification.kept_aside import KeptAside
 from identification.noise_left import NOISE_NEAR
-from identification.outcome import AT_REST_ONLY
+from identification.outcome import AT_REST_ONLY, members_of
 from identification.pieces import fit_from_own_starts
 from identification.reached import (
     ERROR_REACHED,
@@ -322,20 +322,24 @@ def verdict_of(
     return "unexplained"
 
 
-def refuted(session: Session, calibrated: Fit, final: Fit, last: Fit, kept: KeptAside) -> bool:
+def refuted(
+    session: Session, calibrated: Fit, final: Fit, last: Fit, kept: KeptAside, rounds: Sequence[Sequence[Ranked]]
+) -> bool:
     """Whether a model that comes near the noise or reaches it is no diagnosis by what was kept aside.
 
-    One that reaches the noise where it was fitted is refuted if no numbers let it explain the records kept aside as
-    well. One that only comes near is by predicting them badly. Far from the noise, as on real structures, all models
-    miss, and the best predicts badly too. So may the right one where next to nothing is left of a large misfit: what
-    two ways to compute the same rig differ by is above the noise of a quiet sensor.
+    One that reaches the noise where it was fitted is refuted if no numbers of it explain the records kept aside as
+    well, and nothing in its place is as probable. One that only comes near is by predicting them badly. Far from the
+    noise, as on real structures, all models miss, and the best predicts badly too. So may the right one where next to
+    nothing is left of a large misfit: what two ways to compute the same rig differ by is above the noise of a quiet
+    sensor.
 
     Args:
         session: told.
         calibrated: the model without effects.
         final: the model that stands.
         last: the same fitted to all records.
-        kept: what it is worth on records kept aside, with other numbers too (``kept_aside.with_other_numbers``).
+        kept: what it is worth on records kept aside, with other numbers too (``other_numbers``).
+        rounds: effects ranked in each round, those of the model first.
     """
     if kept.holds or last.ratio > NOISE_NEAR:
         return False
@@ -344,12 +348,14 @@ def refuted(session: Session, calibrated: Fit, final: Fit, last: Fit, kept: Kept
     if last.ratio > NOISE_REACHED:
         if takes_away(calibrated, final) >= BEYOND_DOUBT:
             return False
-        why = f"leaves {last.ratio:.2f} times the noise where fitted, and what was learnt does not hold on {names}"
-    elif kept.left is None:
-        return False
+        why = f"but leaves {last.ratio:.2f} times the noise where fitted, and what was learnt does not hold on {names}"
+    elif kept.explained is False and all(
+        len(members_of(ranked)) < 2 for ranked in rounds[: len(last.hypothesis.effects)]
+    ):
+        why = f"but no numbers of it were found that explain {names} as well as what was learnt from"
     else:
-        why = f"whatever its numbers does not explain {names} beside what was learnt from"
-    session.decide(f"unexplained after all: {nearest}, but {why}")
+        return False
+    session.decide(f"unexplained after all: {nearest}, {why}")
     return True
 
 

@@ -33,7 +33,8 @@ from identification.followed_again import begin_again, fails_in_pieces, go_on
 from identification.hypothesis import Hypothesis
 from identification.in_all_sleeves import fallen_apart, in_all_sleeves
 from identification.instead import Instead, ahead_by_all, instead_of, within_tolerances
-from identification.kept_aside import KeptAside, kept_aside, with_other_numbers
+from identification.kept_aside import KeptAside, kept_aside
+from identification.other_numbers import with_other_numbers
 from identification.outcome import AT_REST_ONLY
 from identification.prepare import cut_to, horizons, prepare
 from identification.progress import Progress, silent
@@ -139,7 +140,8 @@ def _searched(
     rounds: list[list[Ranked]] = []
     for _ in range(MOST_ROUNDS):
         if is_enough(session, chain[-1]) and session.lengthen(chain[-1]):
-            chain, rounds = everything_again(session, chain, rounds)
+            ended = session.to_the_end(chain[-1])
+            chain, rounds = everything_again(session, [*chain[:-1], ended], rounds, ended=ended)
         if len(chain[-1].hypothesis.effects) >= most_effects or is_explained(session, chain[-1]):
             break
         chain, rounds, ranked, better = _looked(session, chain, rounds)
@@ -167,7 +169,7 @@ def _searched(
     kept = kept_aside(session, given, last.hypothesis, holdout)
     if verdict == "missing_effect":
         kept = with_other_numbers(session, last, kept)
-        if refuted(session, chain[0], final, last, kept):
+        if refuted(session, chain[0], final, last, kept, rounds):
             verdict, final = "unexplained", chain[0]
             last = settled(session, final)
             calibrated = kept_aside(session, given, last.hypothesis, holdout)

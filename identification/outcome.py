@@ -102,7 +102,7 @@ def tried(score: Score, *, holds: bool = True) -> Tried:
 
     Args:
         score: of that model, on the records that it was fitted to.
-        holds: whether it predicts those that were kept aside.
+        holds: whether it explains those that were kept aside, with the numbers learnt or with others.
     """
     reached = score.nrmse <= NOISE_REACHED * score.noise_nrmse
     first = UNTRIED if reached else UNTRIED_BEYOND

@@ -162,7 +162,7 @@ class Session:
 
         def ended() -> Fit:
             self._foresee(result.hypothesis)
-            return self.fit_of_all(result.hypothesis)
+            return self.fit_of_all(self.told_later(result.hypothesis))
 
         return self._ended.about(self.everything, result, ask=ended)
 
@@ -176,29 +176,32 @@ class Session:
             ArithmeticError: the model diverges.
         """
         whole = self.all_predicted
-        unknowns = (*unknowns_of(hypothesis, whole), *effect_unknowns(hypothesis))
-        if any(isinstance(unknown, EffectUnknown) and unknown.about.table for unknown in unknowns):
-            hypothesis = self._told_later(hypothesis, unknowns)
         self.progress(f"fit on all {whole.extent}")
-        return fit_to_its_end(whole, hypothesis, unknowns, LAST_ITERATIONS)
+        return fit_to_its_end(whole, hypothesis, _all_unknowns(hypothesis, whole), LAST_ITERATIONS)
 
-    def _told_later(self, hypothesis: Hypothesis, unknowns: Sequence[Unknown]) -> Hypothesis:
-        """A model with a table in time, fitted to ever more of the records: its later values were told by none so far.
+    def told_later(self, hypothesis: Hypothesis) -> Hypothesis:
+        """A model whose tables in time are fitted to ever more of the records: later values were told by none so far.
 
         From values that may be anything a fit of whole records ends in another valley.
 
         Args:
-            hypothesis: fitted to a part of the records.
-            unknowns: what may move.
+            hypothesis: fitted to a part of the records; returned as it is where it has no table, and where it diverges.
         """
-        seconds, whole = sum(self._fitted_seconds.values()), cut_to(self.everything, inf, self.limits)
+        if not any(u.about.table for u in effect_unknowns(hypothesis) if isinstance(u, EffectUnknown)):
+            return hypothesis
+        seconds, whole = max(self._fitted_seconds.values(), default=inf), cut_to(self.everything, inf, self.limits)
         while True:
             seconds *= LENGTHENED
-            longer = cut_to(self.everything, seconds, self.limits)
+            limits = [replace(limit, seconds=min(limit.seconds, seconds)) for limit in self.limits]
+            longer = cut_to(self.everything, inf, limits)
             if longer.n_data == whole.n_data:
                 return hypothesis
             self.progress(f"following its table over {longer.extent}")
-            hypothesis = fit_to_its_end(longer, hypothesis, unknowns, LAST_ITERATIONS).hypothesis
+            try:
+                found = fit_to_its_end(longer, hypothesis, _all_unknowns(hypothesis, longer), LAST_ITERATIONS)
+            except ArithmeticError:
+                return hypothesis
+            hypothesis = found.hypothesis
 
     def left_tolerance(self, calibrated: Fit) -> bool:
         """Whether a number had to leave its tolerance, further than the noise of the measured force explains.
@@ -413,6 +416,10 @@ class Session:
                 self.fitting.with_settings(Settings(self.fitting.settings.n_modes)), base.hypothesis, misfit
             )
         return self.everything.with_settings(coarse.settings)
+
+
+def _all_unknowns(hypothesis: Hypothesis, evaluator: Evaluator) -> tuple[Unknown, ...]:
+    return (*unknowns_of(hypothesis, evaluator), *effect_unknowns(hypothesis))
 
 
 def _quieter(now: Target, loudest: Target) -> Target:

@@ -1,13 +1,13 @@
 """What the beginnings of the records leave open, the whole of them may tell."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 from identification.evaluate import Evaluator
 from identification.evidence import Ranked, misfit_in_common, misfit_of
 from identification.fit import Fit, fit_to_its_end
-from identification.hypothesis import but_for_effects, effect_unknowns
+from identification.hypothesis import Hypothesis, but_for_effects, effect_unknowns
 from identification.in_step import in_step
 from identification.outcome import EXCLUDED_BY, distinct, members_of
 from identification.pieces import fit_from_own_starts
@@ -95,7 +95,7 @@ class _Court:
 
     @cached_property
     def part(self) -> "_Stand":
-        return _Stand.of(self.session.fitting, self.standing, self.index)
+        return _Stand.of(self.session.fitting, self.standing, self.index, lambda begun: begun)
 
     @cached_property
     def everything(self) -> Evaluator:
@@ -103,7 +103,7 @@ class _Court:
 
     @cached_property
     def whole(self) -> "_Stand":
-        return _Stand.of(self.everything, self.session.to_the_end(self.standing), self.index)
+        return _Stand.of(self.everything, self.session.to_the_end(self.standing), self.index, self.session.told_later)
 
     def fitted(self, row: Ranked, rows: Sequence[Ranked]) -> Ranked:
         """A member with a fit on the part; its evidence is an earlier round's, and no more than the fit leaves it."""
@@ -143,15 +143,16 @@ class _Court:
 
 @dataclass(frozen=True, eq=False)
 class _Stand:
-    """A model fitted to some records, and which of its effects is in question."""
+    """A model fitted to some records, which of its effects is in question, and how a fit of them is begun."""
 
     evaluator: Evaluator
     fit: Fit
     index: int
+    led: Callable[[Hypothesis], Hypothesis]
 
     @classmethod
-    def of(cls, evaluator: Evaluator, standing: Fit, index: int) -> "_Stand":
-        return cls(evaluator, fit_from_own_starts(evaluator, standing), index)
+    def of(cls, evaluator: Evaluator, standing: Fit, index: int, led: Callable[[Hypothesis], Hypothesis]) -> "_Stand":
+        return cls(evaluator, fit_from_own_starts(evaluator, standing), index, led)
 
     def with_effect(self, effect: Effect, values: Mapping[str, float] | None = None) -> Fit:
         """The fit with an effect in that place, from the nearer of the numbers of the rig here and others, if given.
@@ -166,6 +167,7 @@ class _Stand:
         if not stand:
             raise ArithmeticError(f"no model with {effect.label()} stays finite")
         _, start = min(stand, key=lambda pair: pair[0])
+        start = self.led(start)
         unknowns = (*but_for_effects(self.fit.unknowns), *effect_unknowns(start))
         return fit_from_own_starts(self.evaluator, fit_to_its_end(self.evaluator, start, unknowns, LAST_ITERATIONS))
 

@@ -94,7 +94,7 @@ def test_what_neither_reaches_the_noise_nor_predicts_is_no_diagnosis(ratio, miss
     session, last = Listener(), fit_with_ratio(ratio, effect=True)
     kept = KeptAside({}, {"burst": "what was learnt does not hold there"} if missed else {})
 
-    assert refuted(session, fit_with_ratio(calibrated, effect=False), last, last, kept) == expected
+    assert refuted(session, fit_with_ratio(calibrated, effect=False), last, last, kept, []) == expected
 
     told = f"unexplained after all: {MASS.label()} comes nearest, but leaves 1.30 times the noise where fitted, "
     assert session.decisions == ([f"{told}and what was learnt does not hold on burst"] if expected else [])
@@ -350,12 +350,15 @@ def test_an_effect_whose_size_is_not_known_is_kept_where_the_other_records_need_
     assert [text.startswith("point_mass at 0.700 m: its size moves far") for text in session.decisions] == [True] * kept
 
 
-@pytest.mark.parametrize(("left", "expected"), [(None, False), (1.1, False), (1.3, True)])
-def test_what_reaches_the_noise_is_refuted_only_if_no_numbers_explain_what_was_kept_aside(left, expected):
+@pytest.mark.parametrize(
+    ("explained", "others", "expected"), [(None, 0, False), (True, 0, False), (False, 0, True), (False, 1, False)]
+)
+def test_what_reaches_the_noise_is_refuted_by_what_no_numbers_explain(explained, others, expected):
     session, last = Listener(), fit_with_ratio(1.05, effect=True)
-    kept = KeptAside({}, {"burst": "what was learnt does not hold there"}, left=left)
+    kept = KeptAside({}, {"burst": "what was learnt does not hold there"}, explained=explained)
+    ranked = [Ranked.of(last), *[replace(Ranked.of(last), log_evidence=-1.0)] * others]
 
-    assert refuted(session, fit_with_ratio(50.0, effect=False), last, last, kept) == expected
+    assert refuted(session, fit_with_ratio(50.0, effect=False), last, last, kept, [ranked]) == expected
 
-    told = f"unexplained after all: {MASS.label()} comes nearest, but whatever its numbers does not explain burst "
-    assert session.decisions == ([f"{told}beside what was learnt from"] if expected else [])
+    told = f"unexplained after all: {MASS.label()} comes nearest, but no numbers of it were found that explain burst "
+    assert session.decisions == ([f"{told}as well as what was learnt from"] if expected else [])

@@ -5,24 +5,18 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from rest_records import frfs_of
-from trial_records import evaluator_of, measured, moved, multisine, oscillator
+from trial_records import measured, moved, multisine, oscillator
 
-from identification.conclude import settled
 from identification.evaluate import Evaluator
-from identification.fit import fit
-from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
-from identification.kept_aside import kept_aside, with_other_numbers
+from identification.hypothesis import Hypothesis
+from identification.kept_aside import kept_aside
 from identification.prepare import Horizon
-from identification.reached import NOISE_REACHED
-from identification.session import Session
-from models.effects import EFFECTS, Place
+from models.effects import Place
 from models.effects.cubic_stiffness import CubicStiffness
 from models.effects.quadratic_stiffness import QuadraticStiffness
 
 RIG = oscillator("displacement")
 TRUTH = moved(RIG, 0.5, -0.8, 1.0)
-SLIGHTLY_HARD = CubicStiffness(Place(), stiffness=3e-3 * RIG.structure.stiffness / 1e-3**2)
-BENT = QuadraticStiffness(Place(), stiffness=1e-3 * RIG.structure.stiffness / 1e-3)
 HARD = TRUTH.with_effects(CubicStiffness(Place(), stiffness=0.3 * RIG.structure.stiffness / 1e-3**2))
 
 
@@ -129,80 +123,3 @@ def test_nothing_kept_is_nothing_said():
     kept, decisions = judged(TRUTH)
 
     assert (dict(kept.scores), kept.missed, decisions) == ({}, {}, [])
-
-
-def learnt_as(law, *levels, hidden=SLIGHTLY_HARD, learnt=(10.0, 0.03)):
-    """A session, a law fitted to a record of one level and noise, and what it is worth at other levels."""
-    truth, (level, noise) = Hypothesis(RIG, effects=(hidden,)), learnt
-    pair = measured(truth, multisine(4096, rms=level), noise=noise)
-    everything = evaluator_of(pair, rig=RIG)
-    session = Session(everything, everything, [Horizon("test", 1.0, 2.0)], EFFECTS, lambda _: None, 0)
-    model = Hypothesis(RIG, effects=(law,))
-    found = fit(session.fitting, model, (*rig_unknowns(RIG), *effect_unknowns(model)), precise=True)
-    last = settled(session, found)
-    others = [measured(truth, multisine(4096, rms=rms, seed=11), name=f"at {rms:g} N")[0] for rms in levels]
-    return session, last, kept_aside(session, Hypothesis(RIG), last.hypothesis, others)
-
-
-def test_a_law_whose_size_was_not_told_explains_the_rest_with_another():
-    session, last, kept = learnt_as(SLIGHTLY_HARD, 50.0)
-    assert last.ratio == pytest.approx(1.0, abs=0.05)
-    assert (set(kept.missed), kept.holds) == ({"at 50 N"}, False)
-    before = last.hypothesis.effects
-
-    asked = with_other_numbers(session, last, kept)
-
-    assert asked.left == pytest.approx(1.0, abs=0.05)
-    assert (asked.holds, asked.scores) == (True, kept.scores)
-    assert last.hypothesis.effects == before
-    words = "with other numbers the same model explains it as well as what was learnt from"
-    assert asked.missed == {"at 50 N": f"{kept.missed['at 50 N']}, but {words}"}
-    assert session.decisions[-1] == f"at 50 N: {words}"
-
-
-def test_a_law_that_is_another_does_not_whatever_its_size():
-    session, last, kept = learnt_as(BENT, 50.0)
-    assert last.ratio == pytest.approx(1.0, abs=0.05)
-    assert set(kept.missed) == {"at 50 N"}
-
-    asked = with_other_numbers(session, last, kept)
-
-    assert NOISE_REACHED < asked.left < kept.scores["updated"].nrmse / kept.scores["updated"].noise_nrmse
-    assert not asked.holds
-    assert session.decisions[-1].startswith("whatever its numbers, the model leaves 1.5")
-
-
-def test_a_record_that_holds_says_nothing_of_one_that_is_missed():
-    session, last, kept = learnt_as(BENT, 50.0)
-    alone = with_other_numbers(session, last, kept)
-    session, last, both = learnt_as(BENT, 50.0, 10.0)
-    assert both.missed.keys() == kept.missed.keys()
-
-    assert with_other_numbers(session, last, both).left == pytest.approx(alone.left)
-
-
-def test_a_fit_that_may_have_gone_astray_refutes_nothing(monkeypatch):
-    monkeypatch.setattr("identification.kept_aside.FAR_FROM_MOTION", 0.005)
-    session, last, kept = learnt_as(BENT, 50.0)
-
-    asked = with_other_numbers(session, last, kept)
-
-    assert asked is kept
-    assert session.decisions[-1].endswith("so much is left that they may be elsewhere")
-
-
-def test_a_law_that_holds_is_not_asked_again():
-    session, last, kept = learnt_as(SLIGHTLY_HARD, 10.0)
-    assert (kept.missed, kept.holds) == ({}, True)
-    told = len(session.decisions)
-
-    assert with_other_numbers(session, last, kept) is kept
-    assert len(session.decisions) == told
-
-
-def test_a_law_that_leaves_more_than_the_noise_where_it_was_learnt_is_not_asked():
-    session, last, kept = learnt_as(BENT, 50.0, learnt=(100.0, 0.03))
-    assert last.ratio > NOISE_REACHED
-    assert kept.missed
-
-    assert with_other_numbers(session, last, kept) is kept

@@ -1,6 +1,7 @@
 """A diagnosis fits on a part of the records, and on everything where the part hides what is missing."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from identification.fit import fit
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
 from identification.prepare import Horizon, cut_to
 from identification.reached import reaches_noise
-from identification.session import Session
+from identification.session import LENGTHENED, Session
 from models.effects import EFFECTS, Place
 from models.effects.cubic_stiffness import CubicStiffness
 from models.effects.end_stop import EndStop
@@ -123,6 +124,29 @@ def test_a_table_in_time_is_told_value_by_value():
 
     assert ended.ratio == pytest.approx(1.0, abs=0.05)
     assert ended.hypothesis.effects[0].values == pytest.approx(values, rel=0.02)
+
+
+def test_beside_short_records_a_long_one_is_lengthened_no_faster(monkeypatch):
+    """All of the seconds gained are the long record's: the short ones are heard to their ends."""
+    place, times, values = Place(sleeve=REFERENCE.sleeves[-1].name), (0.0, 2.0, 4.0), (12.0, 48.0, 12.0)
+    truth = Hypothesis(REFERENCE, effects=(TimeVaryingDamping(place, times=times, values=values),))
+    pairs = [measured(truth, multisine(n, rms=2.0), name=f"{n}") for n in (2048, 2048, 8192)]
+    everything = evaluator_of(*pairs)
+    limits = [Horizon(target.record.name, 1.0, target.record.duration) for target in everything.timed]
+    session = Session(everything, cut_to(everything, 2.4, limits), limits, EFFECTS, lambda _: None, 0)
+    heard = []
+
+    def followed(evaluator, hypothesis, *_):
+        heard.append(max(target.record.duration for target in evaluator.timed))
+        return SimpleNamespace(hypothesis=hypothesis)
+
+    monkeypatch.setattr("identification.session.fit_to_its_end", followed)
+
+    session.told_later(truth)
+
+    assert heard[0] == pytest.approx(LENGTHENED * 0.8, rel=0.01)
+    assert np.all(np.diff(np.log(heard)) < np.log(LENGTHENED) + 1e-3)
+    assert 4.0 / LENGTHENED < heard[-1] < 4.0
 
 
 def test_numbers_that_the_forces_noise_pardons_are_asked_for_once_a_calibration(monkeypatch):

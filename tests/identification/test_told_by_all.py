@@ -117,7 +117,7 @@ def test_a_fit_that_stopped_on_its_way_is_gone_on_with_from_the_member(bent_firs
     session, _, rows, ahead = bent_first
     # As if the right law stood, but far from where it would have come to.
     stopped = replace(ahead.fit, chi2=100.0 * ahead.fit.chi2)
-    monkeypatch.setattr(subject._Court, "whole", subject._Stand(session.all_predicted, stopped, 0))
+    monkeypatch.setattr(subject._Court, "whole", subject._Stand(session.all_predicted, stopped, 0, session.told_later))
 
     assert subject._Court(session, rows[0].fit, 0).held(rows[1], rows) == (rows[1], None)
 

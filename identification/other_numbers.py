@@ -1,0 +1,194 @@
+"""A record kept aside that is missed: is the model another, or are its numbers not told well enough?"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import sqrt
+
+import numpy as np
+
+from identification.assess import score
+from identification.calibrate import calibrate, unknowns_of
+from identification.conclude import UNFINISHED
+from identification.evaluate import Evaluator, carry_noise
+from identification.fit import Fit, fit_to_its_end
+from identification.hypothesis import Hypothesis, Unknown, effect_unknowns
+from identification.kept_aside import Followed, KeptAside, beyond_noise, is_met
+from identification.noise import Noise
+from identification.noise_left import noise_uncovered
+from identification.prepare import resolved
+from identification.reached import MODELS_APART, NOISE_REACHED, STRAYS
+from identification.result import RecordScore
+from identification.session import LAST_ITERATIONS, REALISATIONS, Session
+
+ASTRAY = 0.1
+"""Error of a record kept aside, as a share of its motion, above which a fit may have stopped in another valley: begun
+with a stiffness 2.4 times too large, a loud record of an oscillator was left with all of it."""
+
+
+def with_other_numbers(session: Session, last: Fit, kept: KeptAside) -> KeptAside:
+    """Whether other numbers of the model explain the records that it misses beside those that it has learnt from.
+
+    What is added to chi-square where those are fitted beside the others is their distance from what was predicted in
+    units of noise and of what is not told of the numbers together, as far as the model is linear about them; unlike
+    that distance it also tells of numbers farther off. These fits are asked for that alone: the numbers of the model
+    stay those that were learnt without the records kept aside.
+
+    Args:
+        session: records learnt from; told.
+        last: the model fitted to all of them.
+        kept: what it is worth on the others; returned as it is where the model holds there, where a motion is lost,
+            where what is missed is not motion over time, where the model does not reach the noise of what it was fitted
+            to, and where it is not told.
+    """
+    followed = kept.followed
+    if not kept.missed or followed is None or last.ratio > NOISE_REACHED:
+        return kept
+    if not {target.record.name for target in followed.heard.timed} >= kept.missed.keys():
+        return kept
+    names = " and ".join(kept.missed)
+    session.progress(f"looking for numbers that explain {names} too")
+    try:
+        court = _Court.of(session, last, followed, kept)
+        explained, left = court.explained()
+    except ArithmeticError as lost:
+        session.progress(f"the motion is lost on the way: {lost}")
+        return kept
+    if explained:
+        words = "with other numbers the same model explains it as well as what was learnt from"
+        session.decide(f"{names}: {words}")
+        told = {name: f"{told}, but {words}" for name, told in kept.missed.items()}
+        return replace(kept, missed=told, explained=True)
+    if explained is None:
+        session.decide(f"no numbers were found that explain {names} too, and it is not told whether there are any")
+        return kept
+    session.decide(f"no numbers of the model explain {names} too: {left:.2f} times the noise is left there at least")
+    return replace(kept, explained=False)
+
+
+@dataclass(frozen=True, eq=False)
+class _Court:
+    """Where a model is fitted to what was learnt from and to what was missed.
+
+    Attributes:
+        session: for the seed of the noise.
+        learnt, heard, as_told: the records learnt from, and those missed with either noise (``Followed``).
+        unknowns: what may move.
+        cost_alone: of the model fitted to the first alone, with the steps of the fits to both.
+        known: where they begin.
+    """
+
+    session: Session
+    learnt: Evaluator
+    heard: Evaluator
+    as_told: Evaluator
+    unknowns: tuple[Unknown, ...]
+    cost_alone: float
+    known: Hypothesis
+
+    @classmethod
+    def of(cls, session: Session, last: Fit, followed: Followed, kept: KeptAside) -> "_Court":
+        heard, as_told = (
+            each.with_targets([target for target in each.timed if target.record.name in kept.missed])
+            for each in (followed.heard, followed.as_told)
+        )
+        learnt, known = session.all_predicted, followed.known
+        both = resolved(learnt.with_targets([*learnt.targets, *heard.targets]), known)
+        learnt, heard, as_told = (each.with_settings(both.settings) for each in (learnt, heard, as_told))
+        alone = learnt.residuals([(last.hypothesis, None)])[0]
+        cost = last.cost if alone is None else float(alone @ alone) + last.penalty
+        unknowns = (*unknowns_of(known, both), *effect_unknowns(known))
+        return cls(session, learnt, heard, as_told, unknowns, cost, known)
+
+    def explained(self) -> tuple[bool | None, float]:
+        """Whether both are explained together, if that is told, and residual over noise that those missed add.
+
+        They are where the records missed are met, and those learnt from still are, be it that the force hid its noise.
+        They are not, by the noise that those missed tell by themselves, where more is left than noise and what two ways
+        to compute the same rig differ by, begun from the numbers learnt or on ever more of the records, since far off
+        whole records have many valleys.
+        """
+        first = self.fitted(self.heard, self.known)
+        if first.explains:
+            return True, first.left
+        residual = first.fit.residual[self.learnt.n_data :]
+        noises = noise_uncovered(self.heard, first.fit.hypothesis, residual, self.rng)
+        second = self.fitted(self.carried(noises, first.fit.hypothesis), first.fit.hypothesis)
+        if second.explains:
+            return True, second.left
+        noises = [target.noise for target in self.as_told.timed]
+        missed = self.carried(noises, second.fit.hypothesis)
+        last = [self.fitted(missed, second.fit.hypothesis)]
+        try:
+            led = calibrate(self.both(missed), self.known, self.unknowns).hypothesis
+            last.append(self.fitted(missed, led))
+        except ArithmeticError:
+            self.session.progress("begun on the beginnings of the records the motion is lost")
+        nearest = min(last, key=lambda each: each.fit.cost)
+        return False if nearest.refutes else None, nearest.left
+
+    def fitted(self, missed: Evaluator, begin: Hypothesis) -> "_Together":
+        """The model fitted to both.
+
+        Raises:
+            ArithmeticError: the model diverges.
+        """
+        found = fit_to_its_end(self.both(missed), begin, self.unknowns, LAST_ITERATIONS)
+        return _Together(self.learnt, missed, found, self.cost_alone)
+
+    def both(self, missed: Evaluator) -> Evaluator:
+        """What was learnt from, and what was missed behind it."""
+        return self.learnt.with_targets([*self.learnt.targets, *missed.targets])
+
+    def carried(self, noises: list[Noise], hypothesis: Hypothesis) -> Evaluator:
+        """The records missed with these noises, the force's as a model carries it."""
+        own = [target.with_noise(noise) for target, noise in zip(self.heard.timed, noises, strict=True)]
+        return self.heard.with_targets(carry_noise(self.heard.with_targets(own), hypothesis, self.rng, REALISATIONS))
+
+    @property
+    def rng(self) -> np.random.Generator:
+        """Of the realisations of the force's noise, the same ones each time."""
+        return np.random.default_rng(self.session.seed)
+
+
+@dataclass(frozen=True, eq=False)
+class _Together:
+    """A model fitted to what was learnt from and to what was missed.
+
+    Attributes:
+        learnt, missed: the records.
+        fit: to both, those missed last.
+        cost_alone: of the fit to the first alone.
+    """
+
+    learnt: Evaluator
+    missed: Evaluator
+    fit: Fit
+    cost_alone: float
+
+    @cached_property
+    def left(self) -> float:
+        """Residual over noise that those missed add."""
+        return sqrt(max(self.fit.cost - self.cost_alone, 0.0) / self.missed.n_judged)
+
+    @property
+    def is_noise(self) -> bool:
+        """Whether that is noise, as well as it is known: what impacts make of the force's strays in one record."""
+        return self.left <= max(NOISE_REACHED, 1.0 + STRAYS * self.missed.strays)
+
+    @cached_property
+    def rows(self) -> tuple[RecordScore, ...]:
+        """Errors of those missed."""
+        return score(self.missed, self.fit.hypothesis).records
+
+    @property
+    def explains(self) -> bool:
+        """Whether those missed are met, and those learnt from still are."""
+        still = self.fit.residual[: self.learnt.n_data]
+        reached = float(still @ still) <= NOISE_REACHED**2 * self.learnt.n_judged
+        return reached and self.is_noise and all(is_met(row) for row in self.rows)
+
+    @property
+    def refutes(self) -> bool:
+        """Whether a fit that has ended, and not gone astray, leaves more than noise and the models' own differences."""
+        ended = self.fit.unfinished <= UNFINISHED and max(row.nrmse for row in self.rows) <= ASTRAY
+        return ended and not self.is_noise and max(beyond_noise(row) for row in self.rows) > MODELS_APART
