@@ -10,6 +10,7 @@ from trial_records import REFERENCE, measured, moved, multisine, oscillator
 from identification.diagnose import diagnose
 from identification.established import NO_LAW
 from identification.hypothesis import Hypothesis
+from identification.outcome import UNTRIED, UNTRIED_MISSED
 from models.effects import EFFECTS, Place
 from models.effects.cubic_stiffness import CubicStiffness
 from models.effects.force_gain import ForceGain
@@ -184,6 +185,30 @@ def test_what_the_records_kept_aside_refute_is_not_named(monkeypatch):
     assert found.final.label == "calibrated"
     assert found.candidates[0].effect.kind == "cubic_stiffness"
     assert found.holdout["updated"].nrmse > 5.0 * named.holdout["updated"].nrmse
+
+
+@pytest.mark.parametrize(
+    ("explained", "verdict", "chance"),
+    [
+        (False, "unexplained", None),
+        (None, "missing_effect", 1.0 - UNTRIED_MISSED),
+        (True, "missing_effect", 1.0 - UNTRIED),
+    ],
+)
+def test_a_record_that_is_missed_counts_by_whether_other_numbers_explain_it(explained, verdict, chance, monkeypatch):
+    rig = oscillator("displacement")
+    stiffness = 0.3 * rig.structure.stiffness / 1e-3**2
+    truth = Hypothesis(rig, effects=(CubicStiffness(Place(), stiffness=stiffness),))
+
+    def missed(session, last, kept):
+        return replace(kept, missed={"kept 7": "it does not hold there"}, explained=explained)
+
+    monkeypatch.setattr("identification.diagnose.with_other_numbers", missed)
+
+    found = learnt_from(truth, rig, rms=10.0, registry=few("cubic_stiffness"), holdout=(7,))
+
+    assert found.verdict == verdict
+    assert [added.probability for added in found.added] == pytest.approx([chance] if chance else [], rel=1e-3)
 
 
 def test_what_fails_in_the_rest_of_the_records_is_looked_for_once_more(monkeypatch):
