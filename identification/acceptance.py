@@ -107,7 +107,7 @@ def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
         f"{min(share, 1.0):.0%} of the misfit beyond the noise; {best.effect.in_words()}"
     )
     tell_tangent(session, best)
-    refined = _refined(session, best.fit)
+    refined = in_more_detail(session, best.fit)
     return refined if refined is best.fit or session.holds(refined.hypothesis) else best.fit
 
 
@@ -246,10 +246,14 @@ def in_doubt(session: Session, calibrated: Fit, final: Fit, last: Fit) -> tuple[
         needed.add(index)
 
 
-def _refined(session: Session, result: Fit) -> Fit:
+def in_more_detail(session: Session, result: Fit) -> Fit:
     """The effects described in more detail as long as that tells much: a long table imitates what is not there.
 
     What was too coarse a table for may only show once another effect stands beside it, so all are tried.
+
+    Args:
+        session: with the records, told.
+        result: the model, fitted to them.
     """
     while result.ratio > NOISE_REACHED:
         finer = [row for index in range(len(result.hypothesis.effects)) for row in _finer(session, result, index)]
@@ -328,10 +332,10 @@ def refuted(
     """Whether a model that comes near the noise or reaches it is no diagnosis by what was kept aside.
 
     One that reaches the noise where it was fitted is refuted if no numbers of it explain the records kept aside as
-    well, and nothing in its place is as probable. One that only comes near is by predicting them badly. Far from the
-    noise, as on real structures, all models miss, and the best predicts badly too. So may the right one where next to
-    nothing is left of a large misfit: what two ways to compute the same rig differ by is above the noise of a quiet
-    sensor.
+    well, and nothing else in its place is left in question. One that only comes near is by predicting them badly. Far
+    from the noise, as on real structures, all models miss, and the best predicts badly too. So may the right one where
+    next to nothing is left of a large misfit: what two ways to compute the same rig differ by is above the noise of a
+    quiet sensor.
 
     Args:
         session: told.
@@ -349,12 +353,13 @@ def refuted(
         if takes_away(calibrated, final) >= BEYOND_DOUBT:
             return False
         why = f"but leaves {last.ratio:.2f} times the noise where fitted, and what was learnt does not hold on {names}"
-    elif kept.explained is False and all(
-        len(members_of(ranked)) < 2 for ranked in rounds[: len(last.hypothesis.effects)]
-    ):
-        why = f"but no numbers of it were found that explain {names} as well as what was learnt from"
-    else:
+    elif kept.explained is not False:
         return False
+    elif any(len(members_of(ranked)) > 1 for ranked in rounds[: len(last.hypothesis.effects)]):
+        session.decide(f"another in its place may explain {names}: what cannot be told from it stays in question")
+        return False
+    else:
+        why = f"but no numbers of it were found that explain {names} as well as what was learnt from"
     session.decide(f"unexplained after all: {nearest}, {why}")
     return True
 

@@ -92,7 +92,7 @@ def _prepared(
 ) -> tuple[Evaluator, Evaluator, Hypothesis]:
     """The records with the noise that the updated model leaves, the same with their own, and it with their states."""
     rng = np.random.default_rng(session.seed)
-    as_told = prepare(updated, records, session.everything.jobs, rng)
+    as_told = prepare(updated, records, session.everything.jobs, rng).with_settings(session.everything.settings)
     known = with_starts(as_told, updated)
     residual = as_told.residuals([(known, None)])[0]
     if residual is None:

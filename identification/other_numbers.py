@@ -1,20 +1,21 @@
 """A record kept aside that is missed: is the model another, or are its numbers not told well enough?"""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import sqrt
+from math import inf, sqrt
 
 import numpy as np
 
 from identification.assess import score
 from identification.calibrate import calibrate, unknowns_of
-from identification.conclude import UNFINISHED
 from identification.evaluate import Evaluator, carry_noise
 from identification.fit import Fit, fit_to_its_end
 from identification.hypothesis import Hypothesis, Unknown, effect_unknowns
 from identification.kept_aside import Followed, KeptAside, beyond_noise, is_met
 from identification.noise import Noise
 from identification.noise_left import noise_uncovered
+from identification.pieces import fit_from_own_starts
 from identification.prepare import resolved
 from identification.reached import MODELS_APART, NOISE_REACHED, STRAYS
 from identification.result import RecordScore
@@ -48,8 +49,7 @@ def with_other_numbers(session: Session, last: Fit, kept: KeptAside) -> KeptAsid
     names = " and ".join(kept.missed)
     session.progress(f"looking for numbers that explain {names} too")
     try:
-        court = _Court.of(session, last, followed, kept)
-        explained, left = court.explained()
+        explained, left = _Court.of(session, last, followed, kept).explained()
     except ArithmeticError as lost:
         session.progress(f"the motion is lost on the way: {lost}")
         return kept
@@ -102,29 +102,29 @@ class _Court:
     def explained(self) -> tuple[bool | None, float]:
         """Whether both are explained together, if that is told, and residual over noise that those missed add.
 
-        They are where the records missed are met, and those learnt from still are, be it that the force hid its noise.
-        They are not, by the noise that those missed tell by themselves, where more is left than noise and what two ways
-        to compute the same rig differ by, begun from the numbers learnt or on ever more of the records, since far off
-        whole records have many valleys.
+        Far off, whole records have many valleys: so what begins with the numbers learnt begins once more on ever more
+        of the records. Each time the force's noise counts as the numbers found carry it.
         """
-        first = self.fitted(self.heard, self.known)
-        if first.explains:
-            return True, first.left
-        residual = first.fit.residual[self.learnt.n_data :]
-        noises = noise_uncovered(self.heard, first.fit.hypothesis, residual, self.rng)
-        second = self.fitted(self.carried(noises, first.fit.hypothesis), first.fit.hypothesis)
-        if second.explains:
-            return True, second.left
-        noises = [target.noise for target in self.as_told.timed]
-        missed = self.carried(noises, second.fit.hypothesis)
-        last = [self.fitted(missed, second.fit.hypothesis)]
-        try:
-            led = calibrate(self.both(missed), self.known, self.unknowns).hypothesis
-            last.append(self.fitted(missed, led))
-        except ArithmeticError:
-            self.session.progress("begun on the beginnings of the records the motion is lost")
-        nearest = min(last, key=lambda each: each.fit.cost)
-        return False if nearest.refutes else None, nearest.left
+        nearest: _Together | None = None
+        for is_led in (False, True):
+            try:
+                now = self.fitted(self.heard, self.led() if is_led else self.known)
+                told = self.told_by(now)
+                now = self.fitted(self.carried([n for n, _ in told], now), now.fit.hypothesis)
+                if now.explains:
+                    return True, now.left
+                now = self.fitted(self.carried([n for _, n in told], now), now.fit.hypothesis)
+            except ArithmeticError as lost:
+                self.session.progress(f"the motion is lost on the way: {lost}")
+                continue
+            nearest = min(nearest or now, now, key=lambda each: each.left)
+        if nearest is None or not nearest.refutes:
+            return None, inf
+        return False, nearest.left
+
+    def led(self) -> Hypothesis:
+        """The model with numbers found on ever more of the records."""
+        return calibrate(self.both(self.heard), self.known, self.unknowns).hypothesis
 
     def fitted(self, missed: Evaluator, begin: Hypothesis) -> "_Together":
         """The model fitted to both.
@@ -132,17 +132,30 @@ class _Court:
         Raises:
             ArithmeticError: the model diverges.
         """
-        found = fit_to_its_end(self.both(missed), begin, self.unknowns, LAST_ITERATIONS)
+        both = self.both(missed)
+        found = fit_from_own_starts(both, fit_to_its_end(both, begin, self.unknowns, LAST_ITERATIONS))
         return _Together(self.learnt, missed, found, self.cost_alone)
+
+    def told_by(self, found: "_Together") -> list[tuple[Noise, Noise]]:
+        """Of each record missed its noise, and that which it tells by itself; one that the force hides by what is left.
+
+        Args:
+            found: what leaves it.
+        """
+        residual = found.fit.residual[self.learnt.n_data :]
+        uncovered = noise_uncovered(self.heard, found.fit.hypothesis, residual, self.rng)
+        rows = zip(self.heard.timed, self.as_told.timed, uncovered, strict=True)
+        return [(noise, noise) if heard.noise.hidden else (heard.noise, own.noise) for heard, own, noise in rows]
 
     def both(self, missed: Evaluator) -> Evaluator:
         """What was learnt from, and what was missed behind it."""
         return self.learnt.with_targets([*self.learnt.targets, *missed.targets])
 
-    def carried(self, noises: list[Noise], hypothesis: Hypothesis) -> Evaluator:
-        """The records missed with these noises, the force's as a model carries it."""
+    def carried(self, noises: Sequence[Noise], found: "_Together") -> Evaluator:
+        """The records missed with these noises, the force's as the numbers found carry it."""
         own = [target.with_noise(noise) for target, noise in zip(self.heard.timed, noises, strict=True)]
-        return self.heard.with_targets(carry_noise(self.heard.with_targets(own), hypothesis, self.rng, REALISATIONS))
+        model = found.fit.hypothesis
+        return self.heard.with_targets(carry_noise(self.heard.with_targets(own), model, self.rng, REALISATIONS))
 
     @property
     def rng(self) -> np.random.Generator:
@@ -165,15 +178,23 @@ class _Together:
     fit: Fit
     cost_alone: float
 
-    @cached_property
+    @property
     def left(self) -> float:
         """Residual over noise that those missed add."""
-        return sqrt(max(self.fit.cost - self.cost_alone, 0.0) / self.missed.n_judged)
+        return self._added(self.fit.cost)
 
     @property
-    def is_noise(self) -> bool:
-        """Whether that is noise, as well as it is known: what impacts make of the force's strays in one record."""
-        return self.left <= max(NOISE_REACHED, 1.0 + STRAYS * self.missed.strays)
+    def promised(self) -> float:
+        """The same, were the step taken that the fit has not taken."""
+        return self._added(self.fit.cost * (1.0 - self.fit.unfinished))
+
+    def _added(self, cost: float) -> float:
+        return sqrt(max(cost - self.cost_alone, 0.0) / self.missed.n_judged)
+
+    @property
+    def noise(self) -> float:
+        """What that may be of noise, as well as it is known: what impacts make of the force's strays in one record."""
+        return max(NOISE_REACHED, 1.0 + STRAYS * self.missed.strays)
 
     @cached_property
     def rows(self) -> tuple[RecordScore, ...]:
@@ -185,10 +206,10 @@ class _Together:
         """Whether those missed are met, and those learnt from still are."""
         still = self.fit.residual[: self.learnt.n_data]
         reached = float(still @ still) <= NOISE_REACHED**2 * self.learnt.n_judged
-        return reached and self.is_noise and all(is_met(row) for row in self.rows)
+        return reached and self.left <= self.noise and all(is_met(row) for row in self.rows)
 
     @property
     def refutes(self) -> bool:
-        """Whether a fit that has ended, and not gone astray, leaves more than noise and the models' own differences."""
-        ended = self.fit.unfinished <= UNFINISHED and max(row.nrmse for row in self.rows) <= ASTRAY
-        return ended and not self.is_noise and max(beyond_noise(row) for row in self.rows) > MODELS_APART
+        """Whether a fit that has not gone astray promises more than noise and than two ways to compute the same rig."""
+        found = max(row.nrmse for row in self.rows) <= ASTRAY
+        return found and self.promised > self.noise and max(beyond_noise(row) for row in self.rows) > MODELS_APART

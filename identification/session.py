@@ -185,7 +185,7 @@ class Session:
         From values that may be anything a fit of whole records ends in another valley.
 
         Args:
-            hypothesis: fitted to a part of the records; returned as it is where it has no table, and where it diverges.
+            hypothesis: fitted to a part of the records; returned as it is where it has no table.
         """
         if not any(u.about.table for u in effect_unknowns(hypothesis) if isinstance(u, EffectUnknown)):
             return hypothesis

@@ -71,11 +71,10 @@ BELIEVED_OF_REPORTED = f"""\
 It was so in the first batches: since then a share of every probability is kept for what was not judged, and the batches
 since then are told apart from those before. Up to seed {TAUGHT_UNTIL} and in the next it was {UNTRIED:.0%} of all;
 since then it is {UNTRIED_BEYOND:.0%} where the model that stands leaves more than {NOISE_REACHED:g} times the noise,
-and {UNTRIED_MISSED:.0%} where what was learnt does not hold on the record held out; from seed 37703 on only if it is
-not told whether it does with other numbers. Of an effect that was added beside
-another no more was kept up to seed {LATER_TAUGHT_UNTIL}, which agrees with the last table where the noise is reached,
-and not where it is not, by five effects of four cases; since then {UNTRIED_LATER:.0%} and {UNTRIED_LATER_BEYOND:.0%}
-are kept of such an effect.
+and {UNTRIED_MISSED:.0%} where what was learnt does not hold on the record held out, from seed 37703 on unless other
+numbers do. Of an effect that was added beside another no more was kept up to seed {LATER_TAUGHT_UNTIL}, which agrees
+with the last table where the noise is reached, and not where it is not, by five effects of four cases; since then
+{UNTRIED_LATER:.0%} and {UNTRIED_LATER_BEYOND:.0%} are kept of such an effect.
 """
 
 FARTHEST = f"""\

@@ -6,7 +6,16 @@ import numpy as np
 import pytest
 from trial_records import REFERENCE, evaluator_of, fit_of, measured, moved, multisine, oscillator
 
-from identification.acceptance import _refined, accepted, in_doubt, is_enough, is_explained, pruned, refuted, verdict_of
+from identification.acceptance import (
+    accepted,
+    in_doubt,
+    in_more_detail,
+    is_enough,
+    is_explained,
+    pruned,
+    refuted,
+    verdict_of,
+)
 from identification.established import NO_SIZE
 from identification.evaluate import unwhitened
 from identification.evidence import Ranked
@@ -272,7 +281,7 @@ def test_a_table_is_refined_beside_the_effect_that_was_found_after_it():
     session = Listener()
     session.fitting = evaluator
     before = fit(evaluator, start, unknowns)
-    after = _refined(session, before)
+    after = in_more_detail(session, before)
     assert before.ratio > 1.3
     assert after.ratio < 1.05
     table, mass = after.hypothesis.effects
