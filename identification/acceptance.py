@@ -1,9 +1,10 @@
 """What is added, what is taken out again, and what the end is called."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
+from identification.detail import in_more_detail
 from identification.established import NO_SIZE, unestablished
 from identification.evidence import (
     LEAST_EVIDENCE,
@@ -12,10 +13,9 @@ from identification.evidence import (
     log_standing,
     misfit_in_common,
     misfit_of,
-    with_evidence,
 )
 from identification.fit import Fit, fit
-from identification.hypothesis import but_for_effects, effect_unknowns
+from identification.hypothesis import effect_unknowns
 from identification.kept_aside import KeptAside
 from identification.noise_left import NOISE_NEAR
 from identification.outcome import AT_REST_ONLY, members_of
@@ -24,6 +24,7 @@ from identification.reached import (
     ERROR_REACHED,
     EXPLAINED_FAR,
     EXPLAINED_NEAR,
+    LEAST_SHARE,
     NEARLY_ALL,
     NOISE_DOUBTED,
     NOISE_REACHED,
@@ -38,10 +39,6 @@ from identification.scatter import is_needed_throughout
 from identification.session import Session
 from identification.tangent_ties import is_linear
 from identification.unseen import Unseen, left_unseen
-
-LEAST_SHARE = 0.25
-"""An effect is added, or described in more detail, only if that takes away this share of the squared misfit beyond the
-noise, or reaches it."""
 
 LATER_SHARE = 0.6
 """The same for further effects, unless they reach the noise: what is left may be a shape that no simple law has."""
@@ -107,7 +104,7 @@ def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
         f"{min(share, 1.0):.0%} of the misfit beyond the noise; {best.effect.in_words()}"
     )
     tell_tangent(session, best)
-    refined = in_more_detail(session, best.fit)
+    refined = in_more_detail(session.fitting, best.fit, session.decide)
     return refined if refined is best.fit or session.holds(refined.hypothesis) else best.fit
 
 
@@ -244,39 +241,6 @@ def in_doubt(session: Session, calibrated: Fit, final: Fit, last: Fit) -> tuple[
             "out, but whichever that is, the others need it: kept"
         )
         needed.add(index)
-
-
-def in_more_detail(session: Session, result: Fit) -> Fit:
-    """The effects described in more detail as long as that tells much: a long table imitates what is not there.
-
-    What was too coarse a table for may only show once another effect stands beside it, so all are tried.
-
-    Args:
-        session: with the records, told.
-        result: the model, fitted to them.
-    """
-    while result.ratio > NOISE_REACHED:
-        finer = [row for index in range(len(result.hypothesis.effects)) for row in _finer(session, result, index)]
-        now = Ranked.of(result)
-        best = with_evidence([now, *finer])[0]
-        enough = best.fit.ratio <= NOISE_REACHED or takes_away(result, best.fit) >= LEAST_SHARE
-        if best.fit is result or not enough:
-            return result
-        session.decide(f"{best.effect.label()} described in more detail: residual {best.fit.ratio:.2f} times the noise")
-        result = best.fit
-    return result
-
-
-def _finer(session: Session, result: Fit, index: int) -> Iterator[Ranked]:
-    """The fit with one of its effects in more detail, begun where it says the same."""
-    shared = but_for_effects(result.unknowns)
-    for effect in result.hypothesis.effects[index].refined():
-        hypothesis = result.hypothesis.with_effect_at(index, effect)
-        try:
-            found = fit(session.fitting, hypothesis, (*shared, *effect_unknowns(hypothesis)), precise=True)
-        except ArithmeticError:
-            continue
-        yield Ranked.of(found, index)
 
 
 def verdict_of(

@@ -9,7 +9,6 @@ R. J. Hathaway, Neural, Parallel and Scientific Computations 11 (2003) 351).
 from dataclasses import replace
 from functools import partial
 
-from identification.acceptance import LEAST_SHARE
 from identification.calibrate import concerning
 from identification.evidence import Ranked
 from identification.exchange import Exchange, exchanged, fit_at, in_turn
@@ -18,7 +17,7 @@ from identification.hypothesis import Hypothesis
 from identification.judge import finals
 from identification.look import View, beside
 from identification.prepare import cut_to
-from identification.reached import reaches_noise, takes_away
+from identification.reached import LEAST_SHARE, reaches_noise, takes_away
 from identification.rounds import SCREEN_SECONDS, told_apart
 from identification.session import Session
 

@@ -12,7 +12,6 @@ from identification.acceptance import (
     finite_first,
     fit_without,
     in_doubt,
-    in_more_detail,
     is_enough,
     is_explained,
     pruned,
@@ -143,7 +142,6 @@ def _searched(
         if is_enough(session, chain[-1]) and session.lengthen(chain[-1]):
             ended = session.to_the_end(chain[-1])
             chain, rounds = everything_again(session, [*chain[:-1], ended], rounds, ended=ended)
-            chain[-1] = in_more_detail(session, chain[-1])
         if len(chain[-1].hypothesis.effects) >= most_effects or is_explained(session, chain[-1]):
             break
         chain, rounds, ranked, better = _looked(session, chain, rounds)

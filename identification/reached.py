@@ -36,6 +36,10 @@ FAINT, NEARLY_ALL = 1.04, 0.8
 left that it must take away: records that repeat know their noise to a hundredth or two, others to a tenth, but hardly
 any effect takes away what the noise was told wrongly by, or what two ways to compute the same rig differ by."""
 
+LEAST_SHARE = 0.25
+"""An effect is added, or described in more detail, only if that takes away this share of the squared misfit beyond the
+noise, or reaches it."""
+
 STRAYS = 2.0
 """Standard deviations by which what impacts make of the force's noise in one record may lie above its mean."""
 

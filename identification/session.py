@@ -16,7 +16,7 @@ from identification.last_answer import LastAnswer
 from identification.pieces import Piece, pieces_of
 from identification.prepare import LEAST_TORN, Horizon, cut_to, horizons, resolved
 from identification.progress import Progress
-from identification.reached import NOISE_REACHED, reaches_noise
+from identification.reached import LEAST_SHARE, NOISE_REACHED, reaches_noise, takes_away
 from identification.result import Stage
 from models.effects import Registry
 from models.rig import Rig
@@ -162,7 +162,7 @@ class Session:
 
         def ended() -> Fit:
             self._foresee(result.hypothesis)
-            return self.fit_of_all(self.told_later(result.hypothesis))
+            return self._fit_with_tables(result.hypothesis)
 
         return self._ended.about(self.everything, result, ask=ended)
 
@@ -178,6 +178,20 @@ class Session:
         whole = self.all_predicted
         self.progress(f"fit on all {whole.extent}")
         return fit_to_its_end(whole, hypothesis, _all_unknowns(hypothesis, whole), LAST_ITERATIONS)
+
+    def _fit_with_tables(self, begun: Hypothesis) -> Fit:
+        """The fit of all, with tables in more detail as long as that tells much: a part may hide what they take."""
+        found = self.fit_of_all(self.told_later(begun))
+        while found.ratio > NOISE_REACHED:
+            finer = [
+                begun.with_effect_at(i, each) for i, effect in enumerate(begun.effects) for each in effect.refined()
+            ]
+            fits = [(self.fit_of_all(self.told_later(each)), each) for each in finer]
+            best, then = min(fits, key=lambda pair: pair[0].cost, default=(found, begun))
+            if best.ratio > NOISE_REACHED and takes_away(found, best) < LEAST_SHARE:
+                break
+            found, begun = best, then
+        return found
 
     def told_later(self, hypothesis: Hypothesis) -> Hypothesis:
         """A model whose tables in time are fitted to ever more of the records: later values were told by none so far.

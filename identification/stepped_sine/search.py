@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from identification.acceptance import LATER_SHARE, LEAST_SHARE
+from identification.acceptance import LATER_SHARE
 from identification.diagnose import MOST_EFFECTS
 from identification.evaluate import Evaluator, in_parallel
 from identification.evidence import (
@@ -20,7 +20,7 @@ from identification.evidence import (
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, Unknown, effect_unknowns, own_unknowns
 from identification.progress import Progress
-from identification.reached import NOISE_REACHED, takes_away
+from identification.reached import LEAST_SHARE, NOISE_REACHED, takes_away
 from identification.scene import places_of
 from identification.screen import BETWEEN, Projection
 from identification.stepped_sine.balance import Balance

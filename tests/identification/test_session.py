@@ -126,6 +126,22 @@ def test_a_table_in_time_is_told_value_by_value():
     assert ended.hypothesis.effects[0].values == pytest.approx(values, rel=0.02)
 
 
+def test_a_table_too_coarse_for_what_comes_later_gets_more_values():
+    place, times, values = Place(sleeve=REFERENCE.sleeves[-1].name), (0.0, 1.0, 2.0, 3.0, 4.0), (12, 17, 48, 1.2, 4.6)
+    truth = Hypothesis(REFERENCE, effects=(TimeVaryingDamping(place, times=times, values=values),))
+    everything = evaluator_of(measured(truth, multisine(8192, rms=5.0)))
+    limits = [Horizon("test", 1.0, 4.0)]
+    session = Session(everything, cut_to(everything, 1.0, limits), limits, EFFECTS, lambda _: None, 0)
+    coarse = truth.with_effect_at(0, TimeVaryingDamping(place, times=times[::2], values=(12.0, 22.0, 0.03)))
+    part = fit(session.fitting, coarse, (*rig_unknowns(REFERENCE), *effect_unknowns(coarse)), precise=True)
+    assert part.ratio == pytest.approx(1.0, abs=0.1)
+
+    ended = session.to_the_end(part)
+
+    assert ended.ratio == pytest.approx(1.0, abs=0.05)
+    assert ended.hypothesis.effects[0].values == pytest.approx(values, rel=0.02)
+
+
 def test_beside_short_records_a_long_one_is_lengthened_no_faster(monkeypatch):
     """All of the seconds gained are the long record's: the short ones are heard to their ends."""
     place, times, values = Place(sleeve=REFERENCE.sleeves[-1].name), (0.0, 2.0, 4.0), (12.0, 48.0, 12.0)
@@ -138,7 +154,7 @@ def test_beside_short_records_a_long_one_is_lengthened_no_faster(monkeypatch):
 
     def followed(evaluator, hypothesis, *_):
         heard.append(max(target.record.duration for target in evaluator.timed))
-        return SimpleNamespace(hypothesis=hypothesis)
+        return SimpleNamespace(hypothesis=hypothesis, ratio=1.0)
 
     monkeypatch.setattr("identification.session.fit_to_its_end", followed)
 
