@@ -349,7 +349,17 @@ REPORTED = CaseSet(
             first_kind="stiffness_drift",
             first_law="relaxing_spring",
         ),
-        37703: Batch("94fcf5d", first_kind="mains_hum", first_law="relaxing_spring"),
+        37703: Batch(
+            "94fcf5d",
+            14,
+            taught="nothing yet: a spring whose force relaxes passes for a hysteresis that hardly yields and a dashpot",
+            run="One case at a time, on two threads; up to one other process ran beside it, so its seconds are too "
+            "high. Ended by hand when what its readers found had been mended: the next seed judges that. The case then "
+            "at work is left out.",
+            first_kind="mains_hum",
+            first_law="relaxing_spring",
+        ),
+        38803: Batch("d56fa93", first_kind="squeeze_film", first_law="fading_friction"),
     },
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),
