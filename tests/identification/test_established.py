@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from trial_records import REFERENCE, fit_of
 
-from identification.established import NO_LAW, NO_PLACE, NO_SIZE, NOWHERE, TOLD, unestablished
+from identification.established import NO_LAW, NO_PLACE, NO_SIZE, NOWHERE, TOLD, TOLD_BY_PARTS, unestablished
 from identification.hypothesis import effect_unknowns
 from models.effects import Place
 from models.effects.clamp_compliance import ClampCompliance
@@ -63,15 +63,18 @@ def known_together(effect, apart, together):
 def test_of_two_numbers_the_records_have_to_tell_one():
     """A friction that never sticks is known by its force over its slip velocity: that is a dashpot's one number."""
     friction = CoulombFriction(AT, 5.0, 1.0)
-    apart = 2.0 * TOLD**2
+    apart = 2.0 * TOLD_BY_PARTS**2
     assert unestablished(known_together(friction, 0.8 * apart, 1e-4)) is None
     assert unestablished(known_together(friction, 1.3 * apart, 1e-4)) == (0, NO_LAW)
     assert unestablished(known_together(friction, 25.0, 25.0)) == (0, NO_SIZE)
 
 
-def test_what_a_record_left_out_moves_is_no_doubt_of_the_law():
-    widely = known_together(CoulombFriction(AT, 5.0, 1.0), 1.3 * 2.0 * TOLD**2, 1e-4)
-    assert unestablished(replace(widely, widened=np.array([1.5, 1.5]))) is None
+def test_what_parts_of_the_data_disagree_about_is_a_doubt_of_the_law_where_the_noise_is_reached():
+    widely = replace(
+        known_together(CoulombFriction(AT, 5.0, 1.0), 1.3 * 2.0 * TOLD_BY_PARTS**2, 1e-4), widened=np.array([3.0, 3.0])
+    )
+    assert unestablished(widely) == (0, NO_LAW)
+    assert unestablished(replace(widely, chi2=1.2**2 * widely.n_data)) is None
 
 
 def test_what_all_laws_miss_is_no_doubt_of_the_law():
