@@ -359,7 +359,7 @@ REPORTED = CaseSet(
             first_kind="mains_hum",
             first_law="relaxing_spring",
         ),
-        38803: Batch("d56fa93", first_kind="squeeze_film", first_law="fading_friction"),
+        38803: Batch("81c2af7", first_kind="squeeze_film", first_law="fading_friction"),
     },
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),
