@@ -13,7 +13,15 @@ import numpy as np
 
 from identification.evaluate import Evaluator, Target, TimeTarget
 from identification.fit import Fit, fit
-from identification.hypothesis import LARGEST_SIGMA, Hypothesis, RigUnknown, StartUnknown, Unknown, rig_unknowns
+from identification.hypothesis import (
+    LARGEST_SIGMA,
+    Hypothesis,
+    RigUnknown,
+    StartUnknown,
+    Unknown,
+    effect_unknowns,
+    rig_unknowns,
+)
 from identification.prepare import MIN_SAMPLES, start_unknowns
 
 Windows = tuple[tuple[float, float], ...]
@@ -26,6 +34,11 @@ def unknowns_of(hypothesis: Hypothesis, evaluator: Evaluator) -> tuple[Unknown, 
     """What is unknown before any effect is added."""
     records = [target.record for target in evaluator.timed]
     return (*rig_unknowns(hypothesis.rig), *start_unknowns(hypothesis, records))
+
+
+def all_unknowns(hypothesis: Hypothesis, evaluator: Evaluator) -> tuple[Unknown, ...]:
+    """The same, and all numbers and places of the effects."""
+    return (*unknowns_of(hypothesis, evaluator), *effect_unknowns(hypothesis))
 
 
 def calibrate(

@@ -6,7 +6,7 @@ from identification.evaluate import Evaluator
 from identification.evidence import Ranked, with_evidence
 from identification.fit import Fit, fit
 from identification.hypothesis import but_for_effects, effect_unknowns
-from identification.reached import LEAST_SHARE, NOISE_REACHED, takes_away
+from identification.reached import NOISE_REACHED, tells_much
 
 
 def in_more_detail(evaluator: Evaluator, result: Fit, tell: Callable[[str], None]) -> Fit:
@@ -23,8 +23,7 @@ def in_more_detail(evaluator: Evaluator, result: Fit, tell: Callable[[str], None
         finer = [row for index in range(len(result.hypothesis.effects)) for row in _finer(evaluator, result, index)]
         now = Ranked.of(result)
         best = with_evidence([now, *finer])[0]
-        enough = best.fit.ratio <= NOISE_REACHED or takes_away(result, best.fit) >= LEAST_SHARE
-        if best.fit is result or not enough:
+        if best.fit is result or not tells_much(result, best.fit):
             return result
         tell(f"{best.effect.label()} described in more detail: residual {best.fit.ratio:.2f} times the noise")
         result = best.fit

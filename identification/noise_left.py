@@ -73,7 +73,11 @@ def noise_uncovered(
 
 
 def with_noise(
-    evaluator: Evaluator, noises: Sequence[Noise], hypothesis: Hypothesis, rng: np.random.Generator
+    evaluator: Evaluator,
+    noises: Sequence[Noise],
+    hypothesis: Hypothesis,
+    rng: np.random.Generator,
+    realisations: int = 4,
 ) -> Evaluator:
     """The evaluator with other noise, that of the excitation carried through the model.
 
@@ -82,12 +86,13 @@ def with_noise(
         noises: of its time records.
         hypothesis: the model that carries it.
         rng: for the realisations of the noise.
+        realisations: simulations averaged.
     """
     left = iter(noises)
     evaluator = evaluator.with_targets(
         [each.with_noise(next(left)) if isinstance(each, TimeTarget) else each for each in evaluator.targets]
     )
-    return evaluator.with_targets(carry_noise(evaluator, hypothesis, rng))
+    return evaluator.with_targets(carry_noise(evaluator, hypothesis, rng, realisations))
 
 
 def _spectra(evaluator: Evaluator, residual: FloatArray) -> list[tuple[TimeTarget, ComplexArray]]:

@@ -8,13 +8,13 @@ from math import inf, sqrt
 import numpy as np
 
 from identification.assess import score
-from identification.calibrate import calibrate, unknowns_of
-from identification.evaluate import Evaluator, carry_noise
+from identification.calibrate import all_unknowns, calibrate
+from identification.evaluate import Evaluator
 from identification.fit import Fit, fit_to_its_end
-from identification.hypothesis import Hypothesis, Unknown, effect_unknowns
+from identification.hypothesis import Hypothesis, Unknown
 from identification.kept_aside import Followed, KeptAside, beyond_noise, is_met
 from identification.noise import Noise
-from identification.noise_left import noise_uncovered
+from identification.noise_left import noise_uncovered, with_noise
 from identification.pieces import fit_from_own_starts
 from identification.prepare import resolved
 from identification.reached import MODELS_APART, NOISE_REACHED, STRAYS
@@ -96,8 +96,7 @@ class _Court:
         learnt, heard, as_told = (each.with_settings(both.settings) for each in (learnt, heard, as_told))
         alone = learnt.residuals([(last.hypothesis, None)])[0]
         cost = last.cost if alone is None else float(alone @ alone) + last.penalty
-        unknowns = (*unknowns_of(known, both), *effect_unknowns(known))
-        return cls(session, learnt, heard, as_told, unknowns, cost, known)
+        return cls(session, learnt, heard, as_told, all_unknowns(known, both), cost, known)
 
     def explained(self) -> tuple[bool | None, float]:
         """Whether both are explained together, if that is told, and residual over noise that those missed add.
@@ -153,9 +152,7 @@ class _Court:
 
     def carried(self, noises: Sequence[Noise], found: "_Together") -> Evaluator:
         """The records missed with these noises, the force's as the numbers found carry it."""
-        own = [target.with_noise(noise) for target, noise in zip(self.heard.timed, noises, strict=True)]
-        model = found.fit.hypothesis
-        return self.heard.with_targets(carry_noise(self.heard.with_targets(own), model, self.rng, REALISATIONS))
+        return with_noise(self.heard, noises, found.fit.hypothesis, self.rng, REALISATIONS)
 
     @property
     def rng(self) -> np.random.Generator:

@@ -88,6 +88,16 @@ def takes_away(base: Fit, found: Fit) -> float:
     return (base.cost - found.cost) / max(base.cost - base.n_data, 1.0)
 
 
+def tells_much(base: Fit, found: Fit) -> bool:
+    """Whether a model described in more detail is worth it: it reaches the noise, or takes away much of what was left.
+
+    Args:
+        base: the model as it was.
+        found: in more detail.
+    """
+    return found.ratio <= NOISE_REACHED or takes_away(base, found) >= LEAST_SHARE
+
+
 def missed(evaluator: Evaluator, result: Fit) -> float:
     """Rms over a time record's channels of what a model misses beyond the noise, each as a share of its own rms.
 

@@ -7,16 +7,16 @@ from math import inf, sqrt
 import numpy as np
 
 from identification.assess import score
-from identification.calibrate import strained, unknowns_of
+from identification.calibrate import all_unknowns, strained
 from identification.consistency.find import pushed_out
 from identification.evaluate import Evaluator, Target, TimeTarget, carry_noise
 from identification.fit import Fit, fit, fit_to_its_end
-from identification.hypothesis import EffectUnknown, Hypothesis, Unknown, effect_unknowns, rig_unknowns
+from identification.hypothesis import EffectUnknown, Hypothesis, effect_unknowns, rig_unknowns
 from identification.last_answer import LastAnswer
 from identification.pieces import Piece, pieces_of
 from identification.prepare import LEAST_TORN, Horizon, cut_to, horizons, resolved
 from identification.progress import Progress
-from identification.reached import LEAST_SHARE, NOISE_REACHED, reaches_noise, takes_away
+from identification.reached import NOISE_REACHED, reaches_noise, tells_much
 from identification.result import Stage
 from models.effects import Registry
 from models.rig import Rig
@@ -177,7 +177,7 @@ class Session:
         """
         whole = self.all_predicted
         self.progress(f"fit on all {whole.extent}")
-        return fit_to_its_end(whole, hypothesis, _all_unknowns(hypothesis, whole), LAST_ITERATIONS)
+        return fit_to_its_end(whole, hypothesis, all_unknowns(hypothesis, whole), LAST_ITERATIONS)
 
     def _fit_with_tables(self, begun: Hypothesis) -> Fit:
         """The fit of all, with tables in more detail as long as that tells much: a part may hide what they take."""
@@ -188,7 +188,7 @@ class Session:
             ]
             fits = [(self.fit_of_all(self.told_later(each)), each) for each in finer]
             best, then = min(fits, key=lambda pair: pair[0].cost, default=(found, begun))
-            if best.ratio > NOISE_REACHED and takes_away(found, best) < LEAST_SHARE:
+            if not tells_much(found, best):
                 break
             found, begun = best, then
         return found
@@ -212,7 +212,7 @@ class Session:
                 return hypothesis
             self.progress(f"following its table over {longer.extent}")
             try:
-                found = fit_to_its_end(longer, hypothesis, _all_unknowns(hypothesis, longer), LAST_ITERATIONS)
+                found = fit_to_its_end(longer, hypothesis, all_unknowns(hypothesis, longer), LAST_ITERATIONS)
             except ArithmeticError:
                 return hypothesis
             hypothesis = found.hypothesis
@@ -430,10 +430,6 @@ class Session:
                 self.fitting.with_settings(Settings(self.fitting.settings.n_modes)), base.hypothesis, misfit
             )
         return self.everything.with_settings(coarse.settings)
-
-
-def _all_unknowns(hypothesis: Hypothesis, evaluator: Evaluator) -> tuple[Unknown, ...]:
-    return (*unknowns_of(hypothesis, evaluator), *effect_unknowns(hypothesis))
 
 
 def _quieter(now: Target, loudest: Target) -> Target:

@@ -6,15 +6,7 @@ import numpy as np
 import pytest
 from trial_records import REFERENCE, evaluator_of, fit_of, measured, moved, multisine, oscillator
 
-from identification.acceptance import (
-    accepted,
-    in_doubt,
-    is_enough,
-    is_explained,
-    pruned,
-    refuted,
-    verdict_of,
-)
+from identification.acceptance import accepted, in_doubt, is_enough, is_explained, pruned, refuted, verdict_of
 from identification.established import NO_SIZE
 from identification.evaluate import unwhitened
 from identification.evidence import Ranked

@@ -109,43 +109,45 @@ def test_a_record_is_used_as_far_as_the_model_that_explains_it_sees():
     assert f"{session.limits[0].seconds:.1f} of 4.0 s" in session.not_followed
 
 
+COURSE = TimeVaryingDamping(
+    Place(sleeve=REFERENCE.sleeves[-1].name), times=(0.0, 1.0, 2.0, 3.0, 4.0), values=(12.0, 17.0, 48.0, 1.2, 4.6)
+)
+
+
+def part_of_course(seconds, begin):
+    """A session that has heard so many seconds of 4 s in which a sleeve's damping takes its course, and a table fitted
+    to them."""
+    everything = evaluator_of(measured(Hypothesis(REFERENCE, effects=(COURSE,)), multisine(8192, rms=5.0)))
+    limits = [Horizon("test", 1.0, 4.0)]
+    session = Session(everything, cut_to(everything, seconds, limits), limits, EFFECTS, lambda _: None, 0)
+    begun = Hypothesis(REFERENCE, effects=(begin,))
+    return session, fit(session.fitting, begun, (*rig_unknowns(REFERENCE), *effect_unknowns(begun)), precise=True)
+
+
 def test_a_table_in_time_is_told_value_by_value():
     """Of five values the part that is fitted tells three, and the others begin far off."""
-    place, times, values = Place(sleeve=REFERENCE.sleeves[-1].name), (0.0, 1.0, 2.0, 3.0, 4.0), (12, 17, 48, 1.2, 4.6)
-    truth = Hypothesis(REFERENCE, effects=(TimeVaryingDamping(place, times=times, values=values),))
-    everything = evaluator_of(measured(truth, multisine(8192, rms=5.0)))
-    limits = [Horizon("test", 1.0, 4.0)]
-    session = Session(everything, cut_to(everything, 1.6, limits), limits, EFFECTS, lambda _: None, 0)
-    begun = truth.with_effect_at(0, TimeVaryingDamping(place, times=times, values=(*values[:3], 200.0, 200.0)))
-    part = fit(session.fitting, begun, (*rig_unknowns(REFERENCE), *effect_unknowns(begun)), precise=True)
+    session, part = part_of_course(1.6, replace(COURSE, values=(*COURSE.values[:3], 200.0, 200.0)))
     assert part.hypothesis.effects[0].values[3:] == (200.0, 200.0)
 
     ended = session.to_the_end(part)
 
     assert ended.ratio == pytest.approx(1.0, abs=0.05)
-    assert ended.hypothesis.effects[0].values == pytest.approx(values, rel=0.02)
+    assert ended.hypothesis.effects[0].values == pytest.approx(COURSE.values, rel=0.02)
 
 
 def test_a_table_too_coarse_for_what_comes_later_gets_more_values():
-    place, times, values = Place(sleeve=REFERENCE.sleeves[-1].name), (0.0, 1.0, 2.0, 3.0, 4.0), (12, 17, 48, 1.2, 4.6)
-    truth = Hypothesis(REFERENCE, effects=(TimeVaryingDamping(place, times=times, values=values),))
-    everything = evaluator_of(measured(truth, multisine(8192, rms=5.0)))
-    limits = [Horizon("test", 1.0, 4.0)]
-    session = Session(everything, cut_to(everything, 1.0, limits), limits, EFFECTS, lambda _: None, 0)
-    coarse = truth.with_effect_at(0, TimeVaryingDamping(place, times=times[::2], values=(12.0, 22.0, 0.03)))
-    part = fit(session.fitting, coarse, (*rig_unknowns(REFERENCE), *effect_unknowns(coarse)), precise=True)
+    session, part = part_of_course(1.0, replace(COURSE, times=COURSE.times[::2], values=(12.0, 22.0, 0.03)))
     assert part.ratio == pytest.approx(1.0, abs=0.1)
 
     ended = session.to_the_end(part)
 
     assert ended.ratio == pytest.approx(1.0, abs=0.05)
-    assert ended.hypothesis.effects[0].values == pytest.approx(values, rel=0.02)
+    assert ended.hypothesis.effects[0].values == pytest.approx(COURSE.values, rel=0.02)
 
 
 def test_beside_short_records_a_long_one_is_lengthened_no_faster(monkeypatch):
     """All of the seconds gained are the long record's: the short ones are heard to their ends."""
-    place, times, values = Place(sleeve=REFERENCE.sleeves[-1].name), (0.0, 2.0, 4.0), (12.0, 48.0, 12.0)
-    truth = Hypothesis(REFERENCE, effects=(TimeVaryingDamping(place, times=times, values=values),))
+    truth = Hypothesis(REFERENCE, effects=(COURSE,))
     pairs = [measured(truth, multisine(n, rms=2.0), name=f"{n}") for n in (2048, 2048, 8192)]
     everything = evaluator_of(*pairs)
     limits = [Horizon(target.record.name, 1.0, target.record.duration) for target in everything.timed]
@@ -154,7 +156,7 @@ def test_beside_short_records_a_long_one_is_lengthened_no_faster(monkeypatch):
 
     def followed(evaluator, hypothesis, *_):
         heard.append(max(target.record.duration for target in evaluator.timed))
-        return SimpleNamespace(hypothesis=hypothesis, ratio=1.0)
+        return SimpleNamespace(hypothesis=hypothesis)
 
     monkeypatch.setattr("identification.session.fit_to_its_end", followed)
 
