@@ -1,11 +1,11 @@
 """What is added, what is taken out again, and what the end is called."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from identification.detail import in_more_detail
-from identification.established import NO_SIZE, unestablished
+from identification.established import NO_LAW_OF_ALL, NO_SIZE, of_one_law, unestablished
 from identification.evidence import (
     LEAST_EVIDENCE,
     Ranked,
@@ -15,7 +15,7 @@ from identification.evidence import (
     misfit_of,
 )
 from identification.fit import Fit, fit
-from identification.hypothesis import effect_unknowns
+from identification.hypothesis import Hypothesis, effect_unknowns
 from identification.kept_aside import KeptAside
 from identification.noise_left import NOISE_NEAR
 from identification.outcome import AT_REST_ONLY, members_of
@@ -218,7 +218,9 @@ def fit_without(session: Session, calibrated: Fit, found: Fit, index: int) -> Fi
     return min(fits, key=lambda each: each.cost, default=None)
 
 
-def in_doubt(session: Session, calibrated: Fit, final: Fit, last: Fit) -> tuple[int, str] | None:
+def in_doubt(
+    session: Session, calibrated: Fit, final: Fit, last: Fit, predicts: Callable[[Hypothesis], bool] = lambda _: False
+) -> tuple[int, str] | None:
     """Number of the first effect that is not established, and why; what no part of the data can do without is kept.
 
     Args:
@@ -226,13 +228,23 @@ def in_doubt(session: Session, calibrated: Fit, final: Fit, last: Fit) -> tuple[
         calibrated: the model without effects.
         final: the model that stands, fitted to a part of the records.
         last: the same on all of them, with honest intervals.
+        predicts: whether a model meets records that were kept aside.
     """
-    needed: set[int] = set()
+    needed, predicted = set[int](), False
     while True:
-        doubted = unestablished(last, in_motion=bool(session.everything.timed), needed=needed)
-        if doubted is None or doubted[1] != NO_SIZE:
+        doubted = unestablished(last, in_motion=bool(session.everything.timed), needed=needed, predicted=predicted)
+        if doubted is None:
+            return None
+        index, why = doubted
+        if why == NO_LAW_OF_ALL and predicts(last.hypothesis):
+            session.decide(
+                f"{final.hypothesis.effects[index].label()}: modes, channels and records do not agree about its "
+                "numbers, but with them what was kept aside is predicted to its noise: kept"
+            )
+            predicted = True
+            continue
+        if why != NO_SIZE:
             return doubted
-        index = doubted[0]
         less = fit_without(session, calibrated, final, index)
         if less is not None and not is_needed_throughout(session.fitting, less, final):
             return doubted
@@ -241,6 +253,24 @@ def in_doubt(session: Session, calibrated: Fit, final: Fit, last: Fit) -> tuple[
             "out, but whichever that is, the others need it: kept"
         )
         needed.add(index)
+
+
+def is_of_one_law(session: Session, last: Fit) -> bool:
+    """Whether two effects of a model stand for one law which the library does not hold; told.
+
+    Args:
+        session: told.
+        last: the model that stands, fitted to all records, with honest intervals.
+    """
+    pair = of_one_law(last)
+    if pair is None:
+        return False
+    names = " and ".join(last.hypothesis.effects[index].label() for index in pair)
+    session.decide(
+        f"unexplained after all: {names} act at one place, as far as the records tell, where together they do what one "
+        "law does that the library does not hold"
+    )
+    return True
 
 
 def verdict_of(

@@ -14,6 +14,7 @@ from identification.acceptance import (
     in_doubt,
     is_enough,
     is_explained,
+    is_of_one_law,
     pruned,
     refuted,
     verdict_of,
@@ -33,7 +34,7 @@ from identification.followed_again import begin_again, fails_in_pieces, go_on
 from identification.hypothesis import Hypothesis
 from identification.in_all_sleeves import fallen_apart, in_all_sleeves
 from identification.instead import Instead, ahead_by_all, instead_of, within_tolerances
-from identification.kept_aside import KeptAside, kept_aside
+from identification.kept_aside import KeptAside, kept_aside, predicted
 from identification.other_numbers import with_other_numbers
 from identification.outcome import AT_REST_ONLY
 from identification.prepare import cut_to, horizons, prepare
@@ -165,7 +166,7 @@ def _searched(
         stages.append(session.stage(f"+ {chosen.hypothesis.effects[-1].label()}", chain[-1].hypothesis))
         chain, rounds = _revised(session, chain, rounds, stages)
     chain[-1], rounds = fallen_apart(chain[-1], rounds)
-    verdict, final, last = _ended(session, chain, rounds, stages)
+    verdict, final, last = _ended(session, chain, rounds, stages, holdout)
     kept = kept_aside(session, given, last.hypothesis, holdout)
     if verdict == "missing_effect":
         kept = with_other_numbers(session, last, kept)
@@ -296,15 +297,19 @@ def _staged(session: Session, stages: list[Stage], label: str, result: Fit) -> b
 
 
 def _ended(
-    session: Session, chain: Sequence[Fit], rounds: list[list[Ranked]], stages: list[Stage]
+    session: Session,
+    chain: Sequence[Fit],
+    rounds: list[list[Ranked]],
+    stages: list[Stage],
+    holdout: Sequence[AnyRecord],
 ) -> tuple[Verdict, Fit, Fit]:
     """The verdict, the model that stands, and the same on all records with honest intervals.
 
     An effect whose size these intervals do not tell from none, or whose law or place they do not tell, is taken out,
     with its round. Before that, a law or a place gives way to a simpler law of its round that explains as much, and a
     size, beside a number at the end of its tolerance, to a law that needs none there. What is established gives way to
-    what all records speak for. A kind that gave way is out: it does not come back to its place. The last round stays
-    where it is needed to show what was weighed.
+    what all records speak for. A kind that gave way is out: it does not come back to its place. Two laws that are one
+    of another shape end it. The last round stays where it is needed to show what was weighed.
     """
     taken_out, looked = False, bool(rounds)
     final, weighed, out = chain[-1], rounds[:1], [set[str]() for _ in rounds]
@@ -312,13 +317,15 @@ def _ended(
         verdict = verdict_of(session, chain[0], final, taken_out=taken_out, looked=looked)
         final = final if verdict == "missing_effect" else chain[0]
         last = settled(session, final)
-        doubted = in_doubt(session, chain[0], final, last)
+        doubted = in_doubt(session, chain[0], final, last, partial(predicted, session, holdout))
         if verdict != "missing_effect":
             rounds += [] if rounds else weighed
             return verdict, final, last
         if doubted is None:
             exchange = _ahead(session, chain[0], final, rounds, out)
             if exchange is None or not _exchanged_for(session, stages, final, *exchange):
+                if is_of_one_law(session, last):
+                    return "unexplained", chain[0], settled(session, chain[0])
                 return verdict, final, last
             index, other = exchange
             out[index].add(final.hypothesis.effects[index].kind)

@@ -11,7 +11,7 @@ from identification.evaluate import Evaluator
 from identification.hypothesis import Hypothesis
 from identification.noise_left import noise_left, with_noise
 from identification.prepare import cut_to, horizons, prepare
-from identification.reached import ERROR_REACHED, MODELS_APART
+from identification.reached import ERROR_REACHED, MODELS_APART, NOISE_REACHED
 from identification.result import FrfScore, ModesScore, RecordScore, Score
 from identification.session import Session
 from models.record import AnyRecord
@@ -85,6 +85,24 @@ def kept_aside(session: Session, given: Hypothesis, updated: Hypothesis, records
     for _, told, _ in judged:
         session.decide(told)
     return KeptAside(scores, {name: told for name, told, holds in judged if not holds}, followed)
+
+
+def predicted(session: Session, records: Sequence[AnyRecord], updated: Hypothesis) -> bool:
+    """Whether a model meets all records kept aside to their noise, as far as neighbouring motions stay together.
+
+    Args:
+        session: for its resolution and the seed of the noise.
+        records: of any kind; where there are none, nothing is predicted.
+        updated: the model.
+    """
+    if not records:
+        return False
+    try:
+        evaluator, _, known = _prepared(session, updated, records)
+        scores = score(cut_to(evaluator, inf, horizons(evaluator, known)), known)
+    except ArithmeticError:
+        return False
+    return all(row.nrmse <= NOISE_REACHED * row.noise_nrmse for row in (*scores.records, *scores.at_rest))
 
 
 def _prepared(

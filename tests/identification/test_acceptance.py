@@ -6,8 +6,17 @@ import numpy as np
 import pytest
 from trial_records import REFERENCE, evaluator_of, fit_of, measured, moved, multisine, oscillator
 
-from identification.acceptance import accepted, in_doubt, is_enough, is_explained, pruned, refuted, verdict_of
-from identification.established import NO_SIZE
+from identification.acceptance import (
+    accepted,
+    in_doubt,
+    is_enough,
+    is_explained,
+    is_of_one_law,
+    pruned,
+    refuted,
+    verdict_of,
+)
+from identification.established import NO_LAW_OF_ALL, NO_SIZE, TOLD_BY_PARTS
 from identification.evaluate import unwhitened
 from identification.evidence import Ranked
 from identification.fit import fit
@@ -17,6 +26,7 @@ from identification.prepare import Horizon
 from identification.reached import missed
 from identification.rest_target import ModesTarget
 from models.effects import Place
+from models.effects.coulomb_friction import CoulombFriction
 from models.effects.point_mass import PointMass
 from models.record import ModeShapeRecord
 
@@ -327,6 +337,36 @@ def test_an_effect_whose_size_is_not_known_is_kept_where_the_other_records_need_
     assert session.decisions == []
     assert in_doubt(session, calibrated, final, unsure) == (None if kept else (0, NO_SIZE))
     assert [text.startswith("point_mass at 0.700 m: its size moves far") for text in session.decisions] == [True] * kept
+
+
+@pytest.mark.parametrize("predicted", [True, False])
+def test_a_law_that_parts_disagree_about_is_kept_where_it_predicts_what_was_kept_aside(predicted):
+    session, asked = Listener(), []
+    last = fit_of(CoulombFriction(MASS.place, 5.0, 1.0), 1000.0)
+    last = replace(last, covariance=1.5 * TOLD_BY_PARTS**2 * np.eye(2), widened=np.array([2.0, 2.0]))
+
+    doubted = in_doubt(session, last, last, last, lambda model: asked.append(model) or predicted)
+
+    assert doubted == (None if predicted else (0, NO_LAW_OF_ALL))
+    assert asked == [last.hypothesis]
+    assert ["what was kept aside is predicted" in told for told in session.decisions] == [True] * predicted
+
+
+def test_two_laws_at_one_place_are_no_diagnosis():
+    session, one = Listener(), CoulombFriction(MASS.place, 5.0, 1.0)
+    found = fit_of(one, 1000.0)
+
+    def with_two(other):
+        model = replace(found.hypothesis, effects=(one, other))
+        unknowns = effect_unknowns(model)
+        return replace(found, hypothesis=model, unknowns=unknowns, covariance=1e-8 * np.eye(len(unknowns)))
+
+    assert not is_of_one_law(session, with_two(replace(one, place=Place(position=0.3))))
+    assert session.decisions == []
+    assert is_of_one_law(session, with_two(replace(one, place=Place(position=0.705))))
+    assert session.decisions[0].startswith(
+        "unexplained after all: coulomb_friction against base at 0.700 m and coulomb_friction against base at 0.705 m "
+    )
 
 
 @pytest.mark.parametrize(

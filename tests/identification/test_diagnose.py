@@ -187,6 +187,18 @@ def test_what_the_records_kept_aside_refute_is_not_named(monkeypatch):
     assert found.holdout["updated"].nrmse > 5.0 * named.holdout["updated"].nrmse
 
 
+def test_two_laws_that_are_one_of_another_shape_are_not_named(monkeypatch):
+    rig = oscillator("displacement")
+    truth = Hypothesis(rig, effects=(CubicStiffness(Place(), stiffness=0.3 * rig.structure.stiffness / 1e-3**2),))
+    monkeypatch.setattr("identification.diagnose.is_of_one_law", lambda *_: True)
+
+    found = learnt_from(truth, rig, rms=10.0, registry=few("cubic_stiffness"))
+
+    assert (found.verdict, found.added) == ("unexplained", ())
+    assert found.final.label == "calibrated"
+    assert found.candidates[0].effect.kind == "cubic_stiffness"
+
+
 @pytest.mark.parametrize(
     ("explained", "verdict", "chance"),
     [

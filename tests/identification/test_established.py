@@ -7,14 +7,29 @@ import numpy as np
 import pytest
 from trial_records import REFERENCE, fit_of
 
-from identification.established import NO_LAW, NO_PLACE, NO_SIZE, NOWHERE, TOLD, TOLD_BY_PARTS, unestablished
-from identification.hypothesis import effect_unknowns
+from identification.established import (
+    NO_LAW,
+    NO_LAW_OF_ALL,
+    NO_PLACE,
+    NO_SIZE,
+    NOWHERE,
+    TOLD,
+    TOLD_BY_PARTS,
+    TWO_PLACES,
+    of_one_law,
+    unestablished,
+)
+from identification.hypothesis import PlaceUnknown, effect_unknowns
 from models.effects import Place
+from models.effects.absorber import Absorber
+from models.effects.bouc_wen import BoucWen
 from models.effects.clamp_compliance import ClampCompliance
 from models.effects.coulomb_friction import CoulombFriction
 from models.effects.gap_offset import GapOffset
 from models.effects.hertz_contact import HertzContact
+from models.effects.point_damping import PointDamping
 from models.effects.point_mass import PointMass
+from models.effects.point_stiffness import PointStiffness
 from models.effects.sensor_gain import SensorGain
 
 LENGTH = REFERENCE.structure.length
@@ -65,7 +80,8 @@ def test_of_two_numbers_the_records_have_to_tell_one():
     friction = CoulombFriction(AT, 5.0, 1.0)
     apart = 2.0 * TOLD_BY_PARTS**2
     assert unestablished(known_together(friction, 0.8 * apart, 1e-4)) is None
-    assert unestablished(known_together(friction, 1.3 * apart, 1e-4)) == (0, NO_LAW)
+    assert unestablished(known_together(friction, 1.3 * apart, 1e-4)) == (0, NO_LAW_OF_ALL)
+    assert unestablished(known_together(friction, 1.3 * 2.0 * TOLD**2, 1e-4)) == (0, NO_LAW)
     assert unestablished(known_together(friction, 25.0, 25.0)) == (0, NO_SIZE)
 
 
@@ -73,7 +89,8 @@ def test_what_parts_of_the_data_disagree_about_is_a_doubt_of_the_law_where_the_n
     widely = replace(
         known_together(CoulombFriction(AT, 5.0, 1.0), 1.3 * 2.0 * TOLD_BY_PARTS**2, 1e-4), widened=np.array([3.0, 3.0])
     )
-    assert unestablished(widely) == (0, NO_LAW)
+    assert unestablished(widely) == (0, NO_LAW_OF_ALL)
+    assert unestablished(widely, predicted=True) is None
     assert unestablished(replace(widely, chi2=1.2**2 * widely.n_data)) is None
 
 
@@ -104,6 +121,64 @@ def test_beside_another_effect_what_may_sit_anywhere_along_the_beam_has_no_place
         std = share * NOWHERE * LENGTH / alone.unknowns[-1].unit
         assert unestablished(replace(alone, covariance=np.diag([1e-4, std**2]))) is None
         assert unestablished(replace(both, covariance=np.diag([1e-4, std**2, 1e-4]))) == why
+
+
+def fit_of_two(one, other, std=1e-4):
+    """A fit of two effects whose places are known to this share of the length."""
+    alone = fit_of(one, 1000.0)
+    model = replace(alone.hypothesis, effects=(one, other))
+    unknowns = effect_unknowns(model, places=True)
+    size = [20.0 * std if isinstance(unknown, PlaceUnknown) else 0.01 for unknown in unknowns]
+    return replace(alone, hypothesis=model, unknowns=unknowns, covariance=np.diag(np.square(size)))
+
+
+def at(share):
+    return Place(position=share * LENGTH)
+
+
+HYSTERESIS, FRICTION = BoucWen(at(0.6), 5.0, 1e-4, 1.5), CoulombFriction(at(0.6), 5.0, 0.01)
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        (FRICTION, CoulombFriction(at(0.61), 1.0, 0.1)),
+        (FRICTION, CoulombFriction(SLEEVE, 1.0, 0.1)),
+        (HYSTERESIS, PointDamping(at(0.61), 1.0)),
+        (PointMass(at(0.6), 0.1), PointMass(at(0.59), 0.2)),
+    ],
+)
+def test_two_laws_at_one_place_are_one_that_the_library_does_not_hold(one, other):
+    sleeve = next(sleeve for sleeve in REFERENCE.sleeves if sleeve.name == SLEEVE.sleeve).position
+    if other.place == SLEEVE:
+        one = replace(one, place=Place(position=sleeve + 0.01 * LENGTH))
+        other = replace(other, place=replace(SLEEVE, position=sleeve))
+    assert of_one_law(fit_of_two(one, other)) == (0, 1)
+    assert of_one_law(fit_of_two(one, replace(other, place=at(0.8)))) is None
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        PointDamping(at(0.6), 1.0),  # a seal rubs and drags
+        PointStiffness(at(0.6), 1e4),
+        GapOffset(SLEEVE, 1e-4),  # acts in a contact
+        ClampCompliance(Place(), 1e5),
+    ],
+)
+def test_what_a_support_has_together_is_two_laws(other):
+    assert of_one_law(fit_of_two(FRICTION, other)) is None
+
+
+def test_two_absorbers_at_one_place_are_two():
+    one = Absorber(at(0.6), 0.1, 20.0, 0.02)
+    assert of_one_law(fit_of_two(one, replace(one, frequency=60.0))) is None
+
+
+@pytest.mark.parametrize(("apart", "share", "found"), [(0.06, 1.1, (0, 1)), (0.06, 0.9, None), (0.1, 5.0, None)])
+def test_places_are_one_where_the_records_do_not_tell_them_apart(apart, share, found):
+    std = share * apart / TWO_PLACES / np.sqrt(2.0)
+    assert of_one_law(fit_of_two(HYSTERESIS, PointDamping(at(0.6 + apart), 1.0), std)) == found
 
 
 def test_another_law_in_a_contact_has_no_size():

@@ -9,7 +9,7 @@ from trial_records import measured, moved, multisine, oscillator
 
 from identification.evaluate import Evaluator
 from identification.hypothesis import Hypothesis
-from identification.kept_aside import kept_aside
+from identification.kept_aside import kept_aside, predicted
 from identification.prepare import Horizon
 from models.effects import Place
 from models.effects.cubic_stiffness import CubicStiffness
@@ -54,6 +54,22 @@ def test_a_model_that_learnt_at_a_lower_level_is_told_where_it_fails():
     assert len(decisions) == 2
     assert kept.missed == {"high": next(told for told in decisions if "high" in told)}
     assert "does not hold" in kept.missed["high"]
+
+
+@pytest.mark.parametrize(("updated", "met"), [(HARD, True), (TRUTH, False)])
+def test_what_is_kept_aside_is_predicted_or_not(updated, met):
+    low, _ = measured(HARD, multisine(4096, rms=0.1), name="low")
+    high, _ = measured(HARD, multisine(4096, rms=20.0), name="high")
+
+    assert predicted(Told(), [low, high], updated) == met
+    assert predicted(Told(), [low], updated)
+    assert not predicted(Told(), [], updated)
+
+
+def test_a_model_that_runs_away_predicts_nothing():
+    record, _ = measured(TRUTH, multisine(4096, rms=200.0), name="loud")
+
+    assert not predicted(Told(), [record], TRUTH.with_effects(QuadraticStiffness(Place(), stiffness=-4e8)))
 
 
 def test_only_what_can_be_followed_is_asked(monkeypatch):
