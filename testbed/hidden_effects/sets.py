@@ -359,7 +359,19 @@ REPORTED = CaseSet(
             first_kind="mains_hum",
             first_law="relaxing_spring",
         ),
-        38803: Batch("81c2af7", first_kind="squeeze_film", first_law="fading_friction"),
+        38803: Batch(
+            "81c2af7",
+            8,
+            taught="a true hysteresis about whose numbers a blow too short for its recorder and the multisines do not "
+            "agree; a record that is predicted outweighs that",
+            run="The first four on two threads, the others on one, with up to three other processes beside: its "
+            "seconds are too high. Ended by hand when its miss had been mended, and two laws at one place had come to "
+            "be one: the next seed judges both. The case then at work, outside-0, is left out after 55 minutes on one "
+            "thread.",
+            first_kind="squeeze_film",
+            first_law="fading_friction",
+        ),
+        39901: Batch("814bbbe", first_kind="time_varying_damping", first_law="relaxing_spring"),
     },
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),

@@ -39,10 +39,11 @@ def test_a_batch_begins_with_the_kind_and_the_law_that_it_says():
     assert turned
     for seed, batch in turned:
         kinds = [task.kind for task in of_seed(seed) if task.kind in KINDS]
-        law = next(task.number for task in of_seed(seed) if task.kind == "outside")
+        laws = [OUTSIDE_LAWS[task.number % len(OUTSIDE_LAWS)].kind for task in of_seed(seed) if task.kind == "outside"]
         assert kinds[0] == batch.first_kind
         assert len(set(kinds[: len(KINDS)])) == min(len(kinds), len(KINDS))
-        assert OUTSIDE_LAWS[law % len(OUTSIDE_LAWS)].kind == batch.first_law
+        assert laws[:1] in ([], [batch.first_law])  # a batch may have been ended before its first law
+    assert any(task.kind == "outside" for seed, _ in turned for task in of_seed(seed))
 
 
 def of_seed(seed):
