@@ -228,7 +228,7 @@ def in_doubt(
         calibrated: the model without effects.
         final: the model that stands, fitted to a part of the records.
         last: the same on all of them, with honest intervals.
-        predicts: whether a model meets records that were kept aside.
+        predicts: whether a model predicts records that were kept aside.
     """
     needed, predicted = set[int](), False
     while True:
@@ -256,19 +256,19 @@ def in_doubt(
 
 
 def is_of_one_law(session: Session, last: Fit) -> bool:
-    """Whether two effects of a model stand for one law which the library does not hold; told.
+    """Whether two effects of a model may stand for one law which the library does not hold; told.
 
     Args:
-        session: told.
+        session: told; at rest laws are seen by their tangents alone, and not asked for.
         last: the model that stands, fitted to all records, with honest intervals.
     """
-    pair = of_one_law(last)
+    pair = of_one_law(last) if session.everything.timed else None
     if pair is None:
         return False
     names = " and ".join(last.hypothesis.effects[index].label() for index in pair)
     session.decide(
-        f"unexplained after all: {names} act at one place, as far as the records tell, where together they do what one "
-        "law does that the library does not hold"
+        f"unexplained after all: {names} act at one place, as far as the records tell: together they may stand for one "
+        "law that the library does not hold"
     )
     return True
 

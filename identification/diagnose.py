@@ -81,7 +81,8 @@ def diagnose(
     Args:
         rig: as its owner describes it.
         records: of any kind.
-        holdout: records kept aside to show what the updated model is worth.
+        holdout: records kept aside, to which no number is fitted: they show what the updated model is worth, refute it
+            where no numbers explain them too, and decide about a law about whose numbers the others do not agree.
         seed: of every random choice.
         jobs: threads.
         registry: kinds of effects to consider.
@@ -312,17 +313,18 @@ def _ended(
     of another shape end it. The last round stays where it is needed to show what was weighed.
     """
     taken_out, looked = False, bool(rounds)
+    predicts = partial(predicted, session, holdout, chain[0].hypothesis)
     final, weighed, out = chain[-1], rounds[:1], [set[str]() for _ in rounds]
     while True:
         verdict = verdict_of(session, chain[0], final, taken_out=taken_out, looked=looked)
         final = final if verdict == "missing_effect" else chain[0]
         last = settled(session, final)
-        doubted = in_doubt(session, chain[0], final, last, partial(predicted, session, holdout))
+        doubted = in_doubt(session, chain[0], final, last, predicts)
         if verdict != "missing_effect":
             rounds += [] if rounds else weighed
             return verdict, final, last
         if doubted is None:
-            exchange = _ahead(session, chain[0], final, rounds, out)
+            exchange = _ahead(session, chain[0], final, rounds, out, predicts)
             if exchange is None or not _exchanged_for(session, stages, final, *exchange):
                 if is_of_one_law(session, last):
                     return "unexplained", chain[0], settled(session, chain[0])
@@ -353,7 +355,12 @@ def _ended(
 
 
 def _ahead(
-    session: Session, calibrated: Fit, final: Fit, rounds: list[list[Ranked]], out: Sequence[Collection[str]]
+    session: Session,
+    calibrated: Fit,
+    final: Fit,
+    rounds: list[list[Ranked]],
+    out: Sequence[Collection[str]],
+    predicts: Callable[[Hypothesis], bool],
 ) -> tuple[int, Instead] | None:
     """The first effect against which all records speak for another, and that; the rounds are held against them.
 
@@ -362,7 +369,7 @@ def _ahead(
     for index in range(len(final.hypothesis.effects)):
         rounds[index], ahead = told_by_all(session, rounds[index], final, index)
         for each in (each for each in ahead if each.row.effect.kind not in out[index]):
-            other = ahead_by_all(session, calibrated, final, index, rounds[index], each)
+            other = ahead_by_all(session, calibrated, final, index, rounds[index], each, predicts)
             if other is not None:
                 return index, other
     return None

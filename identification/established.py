@@ -34,7 +34,7 @@ data bends a law that imitates another to numbers of its own. Of 99 laws of seve
 713 reported hidden cases (results/hidden_effects) it was more for 13, of which two were there, and less for 86, of
 which seven were not. It was chosen by them: what comes after them judges it. The first after them was a true
 hysteresis, told to 0.02 by noise and to 0.6 by parts, since the decay's blow held more than its recorder did; so it
-counts only where no record that was kept aside is predicted."""
+counts only where not all records kept aside are predicted."""
 
 NOWHERE = 1.0 / sqrt(12.0)
 """Deviation of a place, as a share of the length, of what may sit anywhere along it."""
@@ -57,7 +57,7 @@ def unestablished(
         found: the last fit, with its widened covariance.
         in_motion: whether any record holds motion; at rest laws are seen by their tangents alone, and not doubted.
         needed: numbers of effects whose size is not asked for, since no part of the data can do without them.
-        predicted: whether records that were kept aside are met: then parts may disagree about a law's numbers.
+        predicted: whether all records kept aside are predicted: then parts may disagree about a law's numbers.
 
     Returns:
         the number and the reason; None where all effects are known.
@@ -90,11 +90,11 @@ def unestablished(
 
 
 def of_one_law(found: Fit) -> tuple[int, int] | None:
-    """Numbers of two effects, of kinds that act anywhere along the beam, that stand for one law outside the library.
+    """Numbers of two effects, of kinds that act anywhere along a beam, that may stand for one law outside the library.
 
-    What two laws do at one place adds up. A spring and a dashpot are what a support is, and a seal may rub besides; two
-    laws of one kind, or two with numbers enough to take the shape of a third, are not named: a damping by the root of
-    the velocity was met by two frictions 6 mm apart, a spring whose force relaxes by a hysteresis and a dashpot.
+    What two laws do at one place adds up. A spring, a dashpot or a friction are what a support or a seal is made of;
+    two laws with more numbers take the shape of a third: a damping by the root of the velocity was met by two frictions
+    6 mm apart, a spring whose force relaxes by a hysteresis and a dashpot. Two of a kind that is not unique are two.
 
     Args:
         found: the last fit, with its widened covariance.
@@ -106,8 +106,9 @@ def of_one_law(found: Fit) -> tuple[int, int] | None:
     along = [index for index, effect in enumerate(effects) if "position" in effect.places]
     for one, other in combinations(along if isinstance(found.hypothesis.rig.structure, Beam) else [], 2):
         here, there = effects[one], effects[other]
-        shaped = here.unique if here.kind == there.kind else here.n_numbers + there.n_numbers > OF_A_SUPPORT
-        if shaped and not _are_apart(found, one, other):
+        are_two = here.kind == there.kind and not here.unique
+        shaped = here.n_numbers + there.n_numbers > OF_A_SUPPORT
+        if shaped and not are_two and not _are_apart(found, one, other):
             return one, other
     return None
 
@@ -116,8 +117,9 @@ OF_A_SUPPORT = 3
 """Numbers at most of two laws that a support may have together, as a friction that slips and a dashpot do."""
 
 TWO_PLACES = 2.0
-"""Standard deviations between two places from which on the records tell them apart, if they are no farther than a
-sleeve and a position that are hard to tell apart."""
+"""Standard deviations between two places from which on the records tell them apart, where the noise is reached and if
+they are no farther than a sleeve and a position that are hard to tell apart. Above the noise parts of the data disagree
+about what every model misses, and widen the places by that."""
 
 
 def _are_apart(found: Fit, one: int, other: int) -> bool:
@@ -125,17 +127,16 @@ def _are_apart(found: Fit, one: int, other: int) -> bool:
     rig, (here, there) = found.hypothesis.rig, (found.hypothesis.effects[i].place for i in (one, other))
     if is_same_place(here, there, rig):
         return False
-    assert isinstance(rig.structure, Beam)
-    assert here.position is not None
-    assert there.position is not None
+    if here.position is None or there.position is None or not isinstance(rig.structure, Beam):
+        return True
     distance = abs(here.position - there.position)
-    if distance >= NEAR * rig.structure.length:
+    if distance >= NEAR * rig.structure.length or found.ratio > NOISE_REACHED:
         return True
     way = np.zeros(len(found.unknowns))
     for i, unknown in enumerate(found.unknowns):
         if isinstance(unknown, PlaceUnknown) and unknown.effect in (one, other):
             way[i] = unknown.unit if unknown.effect == one else -unknown.unit
-    return bool(distance >= TWO_PLACES * sqrt(way @ found.covariance @ way) * max(1.0, found.ratio))
+    return bool(distance >= TWO_PLACES * max(1.0, found.ratio) * sqrt(max(0.0, float(way @ found.covariance @ way))))
 
 
 def _is_anywhere(unknown: Unknown, std: float) -> bool:

@@ -5,13 +5,14 @@ leaves all of the misfit again; but what it stood for was weighed beside it, in 
 fewer numbers is asked: a law with as many may be bent as well.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from math import log
 
 from identification.acceptance import comes_as_near, in_doubt, is_enough
 from identification.calibrate import strained
 from identification.conclude import settled
+from identification.established import of_one_law
 from identification.evidence import SIMPLER, Ranked, log_fit, misfit_in_common, misfit_of
 from identification.exchange import fit_at
 from identification.fit import Fit
@@ -107,7 +108,13 @@ def within_tolerances(
 
 
 def ahead_by_all(
-    session: Session, calibrated: Fit, found: Fit, index: int, ranked: Sequence[Ranked], ahead: Ahead
+    session: Session,
+    calibrated: Fit,
+    found: Fit,
+    index: int,
+    ranked: Sequence[Ranked],
+    ahead: Ahead,
+    predicts: Callable[[Hypothesis], bool] = lambda _: False,
 ) -> Instead | None:
     """A law that all records speak for in the place of one that stands; None where it would not stand itself.
 
@@ -121,6 +128,7 @@ def ahead_by_all(
         index: of that effect.
         ranked: its round.
         ahead: the law (``told_by_all``).
+        predicts: whether a model predicts records that were kept aside.
     """
     label, numbers = ahead.row.effect.label(), ahead.row.effect.n_numbers - found.hypothesis.effects[index].n_numbers
     scale, said = misfit_of(ahead.fit), len(session.decisions)
@@ -132,7 +140,9 @@ def ahead_by_all(
         there = fit_at(session, calibrated, ahead.fit.hypothesis)
         as_near = max(there.ratio, ahead.fit.ratio) <= max(found.ratio, NOISE_REACHED)
         if as_near and session.holds(there.hypothesis):
-            now = there if in_doubt(session, calibrated, there, settled(session, there)) is None else None
+            last = settled(session, there)
+            stands = in_doubt(session, calibrated, there, last, predicts) is None and of_one_law(last) is None
+            now = there if stands else None
     except ArithmeticError:
         session.progress(f"{label} leaves the finite numbers")
     del session.decisions[said:]  # of a model that does not stand, or is judged again as the one that does

@@ -13,7 +13,7 @@ from identification.noise_left import noise_left, with_noise
 from identification.prepare import cut_to, horizons, prepare
 from identification.reached import ERROR_REACHED, MODELS_APART, NOISE_REACHED
 from identification.result import FrfScore, ModesScore, RecordScore, Score
-from identification.session import Session
+from identification.session import CLEARLY_LESS, Session
 from models.record import AnyRecord
 
 
@@ -87,22 +87,38 @@ def kept_aside(session: Session, given: Hypothesis, updated: Hypothesis, records
     return KeptAside(scores, {name: told for name, told, holds in judged if not holds}, followed)
 
 
-def predicted(session: Session, records: Sequence[AnyRecord], updated: Hypothesis) -> bool:
-    """Whether a model meets all records kept aside to their noise, as far as neighbouring motions stay together.
+def predicted(session: Session, records: Sequence[AnyRecord], bare: Hypothesis, updated: Hypothesis) -> bool:
+    """Whether a model predicts all records kept aside to their noise, and they show what it has found.
+
+    What cannot be followed nearly to its end shows little, and what the model meets without its effects nothing.
 
     Args:
         session: for its resolution and the seed of the noise.
-        records: of any kind; where there are none, nothing is predicted.
+        records: of any kind; where none is motion over time, nothing is predicted.
+        bare: the calibrated model, which has no effects.
         updated: the model.
     """
     if not records:
         return False
     try:
         evaluator, _, known = _prepared(session, updated, records)
-        scores = score(cut_to(evaluator, inf, horizons(evaluator, known)), known)
+        followed = cut_to(evaluator, inf, horizons(evaluator, known))
+        scores = score(followed, known)
     except ArithmeticError:
         return False
-    return all(row.nrmse <= NOISE_REACHED * row.noise_nrmse for row in (*scores.records, *scores.at_rest))
+    seconds, whole = (sum(target.record.duration for target in each.timed) for each in (followed, evaluator))
+    if not evaluator.timed or seconds < CLEARLY_LESS * whole:
+        return False
+    met = all(row.nrmse <= NOISE_REACHED * row.noise_nrmse for row in (*scores.records, *scores.at_rest))
+    return met and not _is_met_by(followed, bare)
+
+
+def _is_met_by(followed: Evaluator, model: Hypothesis) -> bool:
+    """Whether a model holds on records as far as they are followed."""
+    try:
+        return all(is_met(row) for row in score(followed, with_starts(followed, model)).records)
+    except ArithmeticError:
+        return False
 
 
 def _prepared(

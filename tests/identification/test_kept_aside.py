@@ -57,19 +57,25 @@ def test_a_model_that_learnt_at_a_lower_level_is_told_where_it_fails():
 
 
 @pytest.mark.parametrize(("updated", "met"), [(HARD, True), (TRUTH, False)])
-def test_what_is_kept_aside_is_predicted_or_not(updated, met):
+def test_what_is_kept_aside_is_predicted_if_it_shows_what_was_found(updated, met, monkeypatch):
     low, _ = measured(HARD, multisine(4096, rms=0.1), name="low")
     high, _ = measured(HARD, multisine(4096, rms=20.0), name="high")
 
-    assert predicted(Told(), [low, high], updated) == met
-    assert predicted(Told(), [low], updated)
-    assert not predicted(Told(), [], updated)
+    assert predicted(Told(), [low, high], TRUTH, updated) == met
+    assert not predicted(Told(), [low], TRUTH, updated)  # at that level both are right
+    assert not predicted(Told(), [], TRUTH, updated)
+    assert not predicted(Told(), [frfs_of(TRUTH)], Hypothesis(RIG), TRUTH)
+
+    monkeypatch.setattr("identification.kept_aside.horizons", lambda *_: [Horizon("high", growth=1e9, seconds=1.0)])
+    assert not predicted(Told(), [high], TRUTH, updated)
 
 
-def test_a_model_that_runs_away_predicts_nothing():
+def test_a_model_that_runs_away_predicts_nothing_and_one_that_does_without_the_effect_is_not_met():
     record, _ = measured(TRUTH, multisine(4096, rms=200.0), name="loud")
+    runaway = TRUTH.with_effects(QuadraticStiffness(Place(), stiffness=-4e8))
 
-    assert not predicted(Told(), [record], TRUTH.with_effects(QuadraticStiffness(Place(), stiffness=-4e8)))
+    assert not predicted(Told(), [record], TRUTH, runaway)
+    assert predicted(Told(), [record], runaway, TRUTH)
 
 
 def test_only_what_can_be_followed_is_asked(monkeypatch):
