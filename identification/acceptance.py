@@ -259,10 +259,10 @@ def is_of_one_law(session: Session, last: Fit) -> bool:
     """Whether two effects of a model may stand for one law which the library does not hold; told.
 
     Args:
-        session: told; at rest laws are seen by their tangents alone, and not asked for.
+        session: with the records, told.
         last: the model that stands, fitted to all records, with honest intervals.
     """
-    pair = of_one_law(last) if session.everything.timed else None
+    pair = of_one_law(last, in_motion=bool(session.everything.timed))
     if pair is None:
         return False
     names = " and ".join(last.hypothesis.effects[index].label() for index in pair)

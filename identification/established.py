@@ -89,7 +89,7 @@ def unestablished(
     return None
 
 
-def of_one_law(found: Fit) -> tuple[int, int] | None:
+def of_one_law(found: Fit, *, in_motion: bool = True) -> tuple[int, int] | None:
     """Numbers of two effects, of kinds that act anywhere along a beam, that may stand for one law outside the library.
 
     What two laws do at one place adds up. A spring, a dashpot or a friction are what a support or a seal is made of;
@@ -98,13 +98,16 @@ def of_one_law(found: Fit) -> tuple[int, int] | None:
 
     Args:
         found: the last fit, with its widened covariance.
+        in_motion: whether any record holds motion; at rest laws are seen by their tangents alone, and not asked for.
 
     Returns:
         the numbers of the first two such effects; None where all act at places that the records tell apart.
     """
     effects = found.hypothesis.effects
+    if not in_motion or not isinstance(found.hypothesis.rig.structure, Beam):
+        return None
     along = [index for index, effect in enumerate(effects) if "position" in effect.places]
-    for one, other in combinations(along if isinstance(found.hypothesis.rig.structure, Beam) else [], 2):
+    for one, other in combinations(along, 2):
         here, there = effects[one], effects[other]
         are_two = here.kind == there.kind and not here.unique
         shaped = here.n_numbers + there.n_numbers > OF_A_SUPPORT

@@ -141,8 +141,8 @@ def ahead_by_all(
         as_near = max(there.ratio, ahead.fit.ratio) <= max(found.ratio, NOISE_REACHED)
         if as_near and session.holds(there.hypothesis):
             last = settled(session, there)
-            stands = in_doubt(session, calibrated, there, last, predicts) is None and of_one_law(last) is None
-            now = there if stands else None
+            are_two = of_one_law(last, in_motion=bool(session.everything.timed)) is None
+            now = there if are_two and in_doubt(session, calibrated, there, last, predicts) is None else None
     except ArithmeticError:
         session.progress(f"{label} leaves the finite numbers")
     del session.decisions[said:]  # of a model that does not stand, or is judged again as the one that does

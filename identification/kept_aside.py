@@ -70,11 +70,9 @@ def kept_aside(session: Session, given: Hypothesis, updated: Hypothesis, records
         return KeptAside()
     session.progress(f"predicting {len(records)} records kept aside")
     try:
-        evaluator, as_told, known = _prepared(session, updated, records)
-        scores = {"updated": score(evaluator, known)}
-        limits = horizons(evaluator, known)
-        followed = Followed(cut_to(evaluator, inf, limits), cut_to(as_told, inf, limits), known)
-        judged = _judged(evaluator, followed.heard, known)
+        evaluator, followed = _followed(session, updated, records)
+        scores = {"updated": score(evaluator, followed.known)}
+        judged = _judged(evaluator, followed)
     except ArithmeticError:
         return KeptAside(missed=_one_by_one(session, updated, records))
     try:
@@ -101,16 +99,15 @@ def predicted(session: Session, records: Sequence[AnyRecord], bare: Hypothesis, 
     if not records:
         return False
     try:
-        evaluator, _, known = _prepared(session, updated, records)
-        followed = cut_to(evaluator, inf, horizons(evaluator, known))
-        scores = score(followed, known)
+        evaluator, followed = _followed(session, updated, records)
+        scores = score(followed.heard, followed.known)
     except ArithmeticError:
         return False
-    seconds, whole = (sum(target.record.duration for target in each.timed) for each in (followed, evaluator))
+    seconds, whole = (sum(target.record.duration for target in each.timed) for each in (followed.heard, evaluator))
     if not evaluator.timed or seconds < CLEARLY_LESS * whole:
         return False
     met = all(row.nrmse <= NOISE_REACHED * row.noise_nrmse for row in (*scores.records, *scores.at_rest))
-    return met and not _is_met_by(followed, bare)
+    return met and not _is_met_by(followed.heard, bare)
 
 
 def _is_met_by(followed: Evaluator, model: Hypothesis) -> bool:
@@ -119,6 +116,17 @@ def _is_met_by(followed: Evaluator, model: Hypothesis) -> bool:
         return all(is_met(row) for row in score(followed, with_starts(followed, model)).records)
     except ArithmeticError:
         return False
+
+
+def _followed(session: Session, updated: Hypothesis, records: Sequence[AnyRecord]) -> tuple[Evaluator, Followed]:
+    """The records whole, and as far as they are followed.
+
+    Raises:
+        ArithmeticError: a motion is lost.
+    """
+    evaluator, as_told, known = _prepared(session, updated, records)
+    limits = horizons(evaluator, known)
+    return evaluator, Followed(cut_to(evaluator, inf, limits), cut_to(as_told, inf, limits), known)
 
 
 def _prepared(
@@ -139,8 +147,7 @@ def _one_by_one(session: Session, updated: Hypothesis, records: Sequence[AnyReco
     missed: dict[str, str] = {}
     for record in records:
         try:
-            evaluator, _, known = _prepared(session, updated, [record])
-            (row,) = _judged(evaluator, cut_to(evaluator, inf, horizons(evaluator, known)), known)
+            (row,) = _judged(*_followed(session, updated, [record]))
         except ArithmeticError as lost:
             words = f"{_model(updated)} does not predict {record.name}, kept aside; what was learnt does not hold there"
             row = record.name, f"{words}: {lost}", False
@@ -153,11 +160,11 @@ def _one_by_one(session: Session, updated: Hypothesis, records: Sequence[AnyReco
     return missed
 
 
-def _judged(whole: Evaluator, followed: Evaluator, known: Hypothesis) -> list[tuple[str, str, bool]]:
+def _judged(whole: Evaluator, followed: Followed) -> list[tuple[str, str, bool]]:
     """Of each record its name, what the model leaves there, in words, and whether noise and its error explain it."""
     durations = {target.record.name: target.record.duration for target in whole.timed}
-    scores = score(followed, known)
-    return [_in_words(row, durations, _model(known)) for row in (*scores.records, *scores.at_rest)]
+    scores = score(followed.heard, followed.known)
+    return [_in_words(row, durations, _model(followed.known)) for row in (*scores.records, *scores.at_rest)]
 
 
 def is_met(row: RecordScore | FrfScore | ModesScore) -> bool:
