@@ -371,7 +371,7 @@ REPORTED = CaseSet(
             first_kind="squeeze_film",
             first_law="fading_friction",
         ),
-        39901: Batch("c82008e", first_kind="time_varying_damping", first_law="relaxing_spring"),
+        40993: Batch("ae10aaf", first_kind="time_varying_damping", first_law="relaxing_spring"),
     },
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),
