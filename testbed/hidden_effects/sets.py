@@ -408,7 +408,14 @@ Three, five or eight sensors of acceleration, velocity or displacement have 34 t
 to 60; the sleeves' contacts are Kelvin and Voigt's, Hunt and Crossley's or Hertz's. Learnt from are sweeps, bursts of
 noise or steady noise at two levels, and up to three blows of a hammer, 32 to 48 s; held out are 6 or 8 s
 of such a record. Errors are of all channels together, each quantity by its own rms.""",
-    batches={41011: Batch("0826614")},
+    batches={
+        41011: Batch(
+            "0826614",
+            6,
+            taught="nothing yet: walls that are touched on one side only do not tell which sleeve is off centre",
+        ),
+        42013: Batch("ae10aaf", first_kind="coulomb_friction", first_law="growing_damping"),
+    },
     shape=1.0,
     materials=("steel", "aluminium", "brass", "titanium", "glass fibre"),
     length=Span(0.4, 3.0),
