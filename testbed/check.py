@@ -1,18 +1,20 @@
 """Everything that is wrong with a rig file and its records, before anything is computed."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 from models.errors import InputError
-from models.record import FrfRecord, Record
+from models.record import AnyRecord, FrfRecord, Record
 from models.rig import Rig
 from models.rig_file import read_rig
 from testbed.doubts import rig_doubts
 from testbed.records.formats import read_file
-from testbed.records.read import read_record
+from testbed.records.levels import Level, levels_of
+from testbed.records.read import resolved
+from testbed.records.recording import AnyRecording, Recording
 from testbed.whole_rig import rig_faults
 
 Severity = Literal["error", "finding", "fine"]
@@ -41,8 +43,21 @@ class Finding:
         return f"{self.severity}: {self.file}: {text}"
 
 
-def check_files(rig_path: Path, records: Sequence[Path], without: Sequence[str] = ()) -> list[Finding]:
-    """All findings of all files; one line that a file is fine where there is none.
+@dataclass(frozen=True)
+class Checked:
+    """What was seen.
+
+    Attributes:
+        findings: of all files; one line that a file is fine where there is none.
+        levels: of each channel of each time record that can be read.
+    """
+
+    findings: tuple[Finding, ...]
+    levels: tuple[Level, ...]
+
+
+def check_files(rig_path: Path, records: Sequence[Path], without: Sequence[str] = ()) -> Checked:
+    """All findings of all files, and how each channel was read.
 
     Args:
         rig_path: the rig file.
@@ -50,6 +65,7 @@ def check_files(rig_path: Path, records: Sequence[Path], without: Sequence[str] 
         without: channels to leave out.
     """
     findings: list[Finding] = []
+    levels: list[Level] = []
     rig = None
     try:
         rig = read_rig(rig_path)
@@ -63,11 +79,12 @@ def check_files(rig_path: Path, records: Sequence[Path], without: Sequence[str] 
         findings.append(Finding(str(rig_path), "fine", _rig_in_words(rig)))
     names = Counter(path.name for path in records)
     for path in records:
-        found = list(_of_record(path, rig, without))
+        found, read = _of_record(path, rig, without)
+        levels += read
         if names[path.name] > 1:
             found.append(Finding(str(path), "error", f"{path.name} is the name of {names[path.name]} records"))
         findings += found
-    return findings
+    return Checked(tuple(findings), tuple(levels))
 
 
 def _rig_in_words(rig: Rig) -> str:
@@ -80,30 +97,32 @@ def counted(n: int, noun: str) -> str:
     return f"{n} {noun}{'s' * (n != 1)}"
 
 
-def _of_record(path: Path, rig: Rig | None, without: Sequence[str]) -> Iterator[Finding]:
-    """Errors and findings of one record; of its format alone where the rig cannot be read."""
-    file, strict_error = str(path), None
+def _of_record(path: Path, rig: Rig | None, without: Sequence[str]) -> tuple[list[Finding], tuple[Level, ...]]:
+    """Errors, findings and levels of one record; errors of its format alone where the rig cannot be read."""
+    file = str(path)
     try:
+        held = read_file(path)
         if rig is None:
-            read_file(path)
-            yield Finding(file, "finding", "can be read; not held against the rig, whose file has errors")
-            return
-        try:
-            record = read_record(path, rig, without=without)
-        except InputError as error:
-            strict_error = str(error)
-            record = read_record(path, rig, without=without, strict=False)
+            return [Finding(file, "finding", "can be read; not held against the rig, whose file has errors")], ()
+        record, refused = _leniently(held, rig, without)
     except InputError as error:
-        yield Finding(file, "error", str(error))
-        return
-    if strict_error is not None:
-        yield Finding(file, "error", strict_error)
+        return [Finding(file, "error", str(error))], ()
+    found = [] if refused is None else [Finding(file, "error", refused)]
     findings = record.findings if isinstance(record, Record) else ()
     # What a strict reading refuses, the other leaves out with a finding: one of the two is enough.
-    told = [text for text in findings if strict_error is None or not text.endswith("; left out")]
-    yield from (Finding(file, "finding", text) for text in told)
-    if strict_error is None and not told:
-        yield Finding(file, "fine", _record_in_words(record))
+    told = [text for text in findings if refused is None or not text.endswith("; left out")]
+    found += [Finding(file, "finding", text) for text in told]
+    if not found:
+        found.append(Finding(file, "fine", _record_in_words(record)))
+    return found, levels_of(held, rig, without) if isinstance(held, Recording) else ()
+
+
+def _leniently(held: AnyRecording, rig: Rig, without: Sequence[str]) -> tuple[AnyRecord, str | None]:
+    """The record, and what a strict reading refuses of it."""
+    try:
+        return resolved(held, rig, without=without), None
+    except InputError as error:
+        return resolved(held, rig, without=without, strict=False), str(error)
 
 
 def _record_in_words(record: object) -> str:

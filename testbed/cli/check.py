@@ -20,15 +20,20 @@ def check(rig: RigFile, records: Records = None, without: Without = None, as_jso
     from dataclasses import asdict
 
     from testbed.check import check_files, counted
-    from testbed.cli.tables import print_json, say
+    from testbed.cli.tables import print_json, print_table, say
 
-    findings = check_files(rig, records or [], without or [])
-    n_errors = sum(finding.severity == "error" for finding in findings)
+    checked = check_files(rig, records or [], without or [])
+    n_errors = sum(finding.severity == "error" for finding in checked.findings)
     if as_json:
-        print_json({"errors": n_errors, "findings": [asdict(finding) for finding in findings]})
+        findings, channels = (list(map(asdict, each)) for each in (checked.findings, checked.levels))
+        print_json({"errors": n_errors, "findings": findings, "channels": channels})
     else:
-        for finding in findings:
+        for finding in checked.findings:
             say(finding.line)
+        if checked.levels:
+            heads = ("record", "channel", "unit in the file", "times", "rms", "peak", "SI")
+            rows = [(r.record, r.channel, r.label, r.factor, r.rms, r.peak, r.unit) for r in checked.levels]
+            print_table(heads, rows, "channels as they were read; a unit in the file that is not theirs shows here")
         say(f"{counted(n_errors, 'error')} in {counted(1 + len(records or []), 'file')}")
     if n_errors:
         raise typer.Exit(2)

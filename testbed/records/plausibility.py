@@ -105,7 +105,7 @@ def _outside(group: dict[str, FloatArray], rig: Rig) -> list[Fault]:
         return []
     rms = {name: float(np.sqrt(np.mean((samples - samples.mean()) ** 2))) for name, samples in group.items()}
     median = float(np.median(list(rms.values())))
-    share = _least_motion(tuple(group), rig)
+    share = least_motion(tuple(group), rig)
     faults = []
     for name, samples in group.items():
         ratio = rms[name] / median
@@ -119,8 +119,13 @@ def _outside(group: dict[str, FloatArray], rig: Rig) -> list[Fault]:
     return faults
 
 
-def _least_motion(names: tuple[str, ...], rig: Rig) -> dict[str, float]:
-    """Each sensor's motion in the first mode, by the median one: no mode moves the beam less near the clamp."""
+def least_motion(names: tuple[str, ...], rig: Rig) -> dict[str, float]:
+    """Each sensor's motion in the first mode, by the median one: no mode moves the beam less near the clamp.
+
+    Args:
+        names: of sensors of one quantity.
+        rig: where they are.
+    """
     if not isinstance(rig.structure, Beam):
         return dict.fromkeys(names, 1.0)
     sensors = [rig.sensor(name) for name in names]

@@ -17,8 +17,9 @@ from testbed.records.dying import undying
 from testbed.records.formats import read_file
 from testbed.records.linear import frf_record, mode_shape_record
 from testbed.records.matching import Matched, check_left_out, match
+from testbed.records.odd_units import odd_units
 from testbed.records.plausibility import Fault, find_faults, own_zeros
-from testbed.records.recording import FrfRecording, RawChannel, Recording
+from testbed.records.recording import AnyRecording, FrfRecording, RawChannel, Recording
 from testbed.records.samples import checked, is_dead
 from testbed.records.start import starts_moving
 from testbed.records.time_base import sampling_rate
@@ -74,9 +75,22 @@ def read_record(path: Path | str, rig: Rig, *, without: Sequence[str] = (), stri
     Raises:
         InputError: anything that makes the record unusable, with file, channel and sample where there is one.
     """
-    path = Path(path)
+    return resolved(read_file(Path(path)), rig, without=without, strict=strict)
+
+
+def resolved(held: AnyRecording, rig: Rig, *, without: Sequence[str] = (), strict: bool = True) -> AnyRecord:
+    """What a file holds, resolved against a rig.
+
+    Args:
+        held: the file's own channels.
+        rig: whose sensors and excitation they are.
+        without: as in ``read_record``.
+        strict: as in ``read_record``.
+
+    Raises:
+        InputError: anything that makes the record unusable, with file, channel and sample where there is one.
+    """
     check_left_out(without, rig)
-    held = read_file(path)
     expected = tuple(sensor.name for sensor in rig.sensors if sensor.name not in without)
     if isinstance(held, Recording):
         return _time_record(held, rig, without, expected, strict=strict)
@@ -86,7 +100,7 @@ def read_record(path: Path | str, rig: Rig, *, without: Sequence[str] = (), stri
     )
     missing = tuple(name for name in expected if name not in record.sensors)
     if strict and missing:
-        raise _refused(path.name, [Fault(missing, f"no channel for {', '.join(missing)}")], rig, without)
+        raise _refused(held.file, [Fault(missing, f"no channel for {', '.join(missing)}")], rig, without)
     return record
 
 
@@ -136,6 +150,7 @@ def _time_record(
         *(f"{fault.reason}; left out" for fault in faults),
         *([] if driven is None else [driven]),
         *own_zeros(responses, rig),
+        *odd_units(responses, {name: matched.sensors[name].tag for name in responses}, rig),
     )
     return Record(
         name=file,

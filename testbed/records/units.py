@@ -103,6 +103,17 @@ def quantity_of(tag: Tag) -> str | None:
     return tag.quantity
 
 
+def label_factor(tag: Tag, quantity: str) -> float | None:
+    """The factor to SI by a channel's own label alone; None where it has none, or that of volts or another quantity.
+
+    Args:
+        tag: the file's words.
+        quantity: what the channel measures.
+    """
+    unit = _unit(tag.unit) if tag.unit is not None else None
+    return None if unit is None else _factor_to_si(unit, quantity)
+
+
 def seconds(label: str | None, where: str) -> float:
     """The factor from a time base's unit to seconds.
 

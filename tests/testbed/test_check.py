@@ -32,7 +32,7 @@ def silenced(folder, *names):
 
 
 def test_fine_files_say_what_they_hold(folder):
-    rig, record = check_files(folder / "rig.toml", [folder / "sweep.csv"])
+    rig, record = check_files(folder / "rig.toml", [folder / "sweep.csv"]).findings
     assert (rig.severity, rig.text) == ("fine", "beam; 2 sleeves, 3 sensors, 0 effects")
     assert (record.severity, record.text) == ("fine", "3 sensors, 1 s at 512 Hz, from rest")
 
@@ -51,7 +51,7 @@ def test_numbers_in_another_unit_are_doubted(folder, key, value, doubt):
     path = folder / "units.toml"
     path.write_text(RIG_TOML.replace(key, value))
 
-    (found,) = check_files(path, [])
+    (found,) = check_files(path, []).findings
 
     assert (found.severity, found.text.endswith(doubt)) == ("finding", True)
 
@@ -74,9 +74,9 @@ def test_a_run_carries_what_is_odd_about_its_rig(folder):
 def test_a_file_is_named_once_in_a_line(folder):
     (folder / "empty.csv").write_text("")
     records = [folder / "empty.csv", folder / "nowhere.csv", folder]
-    lines = [f.line for f in check_files(folder / "rig.toml", records) if f.severity == "error"]
+    lines = [f.line for f in check_files(folder / "rig.toml", records).findings if f.severity == "error"]
     assert [line.count(str(path)) for line, path in zip(lines, records, strict=True)] == [1, 1, 1]
-    (line, *_) = (f.line for f in check_files(folder / "nowhere.toml", []))
+    (line, *_) = (f.line for f in check_files(folder / "nowhere.toml", []).findings)
     assert line == f"error: {folder / 'nowhere.toml'}: does not exist; a rig is a TOML file; correct the path"
 
 
@@ -86,7 +86,7 @@ def test_all_effects_that_do_not_fit_are_told(folder):
         RIG_TOML + '[[effects]]\nkind = "squeeze_film"\nsleeve = "sleeve 9"\ndamping = 1.0\n'
         '[[effects]]\nkind = "greese"\n'
     )  # fmt: skip
-    errors = [finding.text for finding in check_files(path, [])]
+    errors = [finding.text for finding in check_files(path, []).findings]
     assert len(errors) >= 1
     assert "sleeve 9" in errors[0]
 
@@ -95,12 +95,20 @@ def test_a_rig_that_cannot_be_read_does_not_hide_the_records(folder):
     path = folder / "broken.toml"
     path.write_text("[structure")
     (folder / "bad.csv").write_text("")
-    found = check_files(path, [folder / "bad.csv", folder / "sweep.csv", folder / "missing.csv"])
+    found = check_files(path, [folder / "bad.csv", folder / "sweep.csv", folder / "missing.csv"]).findings
     assert [finding.severity for finding in found] == ["error", "error", "finding", "error"]
 
 
+def test_a_record_that_is_refused_for_its_channels_shows_their_levels(folder):
+    dead = silenced(folder, "P1")
+    levels = check_files(folder / "rig.toml", [dead, folder / "missing.csv"]).levels
+    assert [(level.record, level.channel, level.rms > 0.0) for level in levels] == [
+        (dead.name, name, name != "P1") for name in ("shaker", "P1", "P2", "P3")
+    ]
+
+
 def test_dead_channels_are_errors_with_the_way_out(folder):
-    found = check_files(folder / "rig.toml", [silenced(folder, "P1", "P3")])
+    found = check_files(folder / "rig.toml", [silenced(folder, "P1", "P3")]).findings
     errors = [finding.text for finding in found if finding.severity == "error"]
     assert len(errors) == 1
     assert "channel P1 is dead" in errors[0]
@@ -109,26 +117,26 @@ def test_dead_channels_are_errors_with_the_way_out(folder):
 
 
 def test_a_dead_force_under_a_motion_that_does_not_die_away_is_told(folder):
-    found = check_files(folder / "rig.toml", [silenced(folder, "shaker")])
+    found = check_files(folder / "rig.toml", [silenced(folder, "shaker")]).findings
     assert [finding.severity for finding in found] == ["fine", "error", "finding"]
     assert "the excitation shaker is dead" in found[1].text
     assert "the motion does not die away" in found[2].text
 
 
 def test_a_channel_left_out_is_no_error(folder):
-    found = check_files(folder / "rig.toml", [silenced(folder, "P2")], ["P2"])
+    found = check_files(folder / "rig.toml", [silenced(folder, "P2")], ["P2"]).findings
     assert [finding.severity for finding in found] == ["fine", "fine"]
 
 
 def test_two_records_of_one_name_are_told(folder):
     path = folder / "sweep.csv"
-    assert sum(f.severity == "error" for f in check_files(folder / "rig.toml", [path, path])) == 2
+    assert sum(f.severity == "error" for f in check_files(folder / "rig.toml", [path, path]).findings) == 2
 
 
 def test_a_sensitivity_of_another_quantity_is_an_error_and_stops_the_others(folder):
     path = folder / "newtons.toml"
     path.write_text(RIG_TOML.replace('name = "P2"', 'name = "P2"\nsensitivity = "100 mV/N"'))
-    rig, _ = check_files(path, [folder / "sweep.csv"])
+    rig, _ = check_files(path, [folder / "sweep.csv"]).findings
     assert (rig.severity, rig.text[:52]) == ("error", 'newtons.toml: P2: sensitivity = "100 mV/N"; P2 measu')
     with pytest.raises(InputError, match=r"newtons.toml: P2: sensitivity"):
         read_inputs(path, [folder / "sweep.csv"])
@@ -139,7 +147,7 @@ def test_a_time_in_ms_that_is_read_as_s_is_an_error(folder):
     cells = [row.split(",") for row in rows]
     text = [",".join([repr(1e3 * float(time)), *samples]) for time, *samples in cells]
     (folder / "slow.csv").write_text("\n".join([names, *text]) + "\n")
-    _, record = check_files(folder / "rig.toml", [folder / "slow.csv"])
+    _, record = check_files(folder / "rig.toml", [folder / "slow.csv"]).findings
     assert record.severity == "error"
     assert "at 0.512 Hz, 1000 s; a record holds frequencies up to half its rate" in record.text
     assert "if its time column is in ms" in record.text

@@ -151,12 +151,28 @@ def test_compare_leaves_a_channel_out(capsys):
 
 def test_check_says_all_and_its_status_is_2_for_an_error(folder, capsys):
     assert main(["check", "rig.toml", "sweep.csv"]) == 0
-    assert capsys.readouterr().out.count("fine: ") == 2
+    said = capsys.readouterr().out
+    assert said.count("fine: ") == 2
+    assert [line.split()[3] for line in said.splitlines() if line.startswith("│ sweep.csv")] == [
+        "shaker",
+        "P1",
+        "P2",
+        "P3",
+    ]
     (folder / "empty.csv").write_text("")
     assert main(["check", "rig.toml", "empty.csv", "gone.csv", "sweep.csv", "--json"]) == 2
     content = json.loads(capsys.readouterr().out)
     assert content["errors"] == 2
     assert [row["severity"] for row in content["findings"]] == ["fine", "error", "error", "fine"]
+    assert [row["channel"] for row in content["channels"]] == ["shaker", "P1", "P2", "P3"]
+    assert list(content["channels"][0]) == ["record", "channel", "label", "factor", "rms", "peak", "unit"]
+
+
+def test_check_shows_the_factor_of_a_label_that_is_wrong_for_all(folder, capsys):
+    (folder / "g.csv").write_text((folder / "sweep.csv").read_text().replace("[m/s^2]", "[g]"))
+    assert main(["check", "rig.toml", "sweep.csv", "g.csv", "--json"]) == 0
+    right, wrong = np.split(np.array([row["rms"] for row in json.loads(capsys.readouterr().out)["channels"]]), 2)
+    np.testing.assert_allclose(wrong / right, [1.0, *[9.80665] * 3])
 
 
 def test_the_marks_of_sleeves_in_the_figure_of_modes_are_explained(folder):
