@@ -33,14 +33,21 @@ def first_fault(file: str, error: ValidationError) -> InputError:
         file: the name of the rig file, which begins the message.
         error: what validating the file's content raised.
     """
-    # A misspelt key is also a missing one; the spelling is what its owner has to hear about.
-    details = sorted(error.errors(include_url=False), key=lambda detail: detail["type"] != "extra_forbidden")
+    # The spelling is what the owner of a misspelt key has to hear about first.
+    details = sorted(_once(error.errors(include_url=False)), key=lambda detail: detail["type"] != "extra_forbidden")
     first = details[0]
     given, expected, mend = _WORDS.get(first["type"], _breach)(first)
     further = len(details) - 1 + first.get("ctx", {}).get("further", 0)
     if further:
         mend += f" ({further} further problem{'s' if further > 1 else ''} in this file)"
     return InputError(f"{file}: {given}", expected, mend)
+
+
+def _once(details: list[ErrorDetails]) -> list[ErrorDetails]:
+    """All problems but the missing keys that stand there misspelt: each of those is an unknown one already."""
+    unknown = [detail for detail in details if detail["type"] == "extra_forbidden"]
+    meant = {(*detail["loc"][:-1], nearest(_key(detail), list(_part(detail).model_fields))) for detail in unknown}
+    return [detail for detail in details if detail["type"] != "missing" or detail["loc"] not in meant]
 
 
 def _location(detail: ErrorDetails) -> tuple[int | str, ...]:

@@ -61,7 +61,7 @@ BAD_EDITS = [
         "densty = 7850.0",
         (
             "structure.densty is unknown; the keys of [structure] are kind, length, diameter, youngs_modulus, "
-            "density, rayleigh_damping, gravity; the nearest one is density (1 further problem in this file)"
+            "density, rayleigh_damping, gravity; the nearest one is density"
         ),
     ),
     (
@@ -98,7 +98,7 @@ BAD_EDITS = [
         "[structur]",
         (
             "structur is unknown; the keys of the rig file are structure, tolerances, sleeves, excitation, "
-            "sensors, effects; the nearest one is structure (1 further problem in this file)"
+            "sensors, effects; the nearest one is structure"
         ),
     ),
     (
@@ -348,3 +348,17 @@ def test_two_misfits_are_told_as_one_problem_and_one_further(bad_rig):
     message = bad_rig(text)
     assert message.startswith("sensors[7].position = 14.4 m; ")
     assert message.endswith(" (1 further problem in this file)")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "ending"),
+    [
+        ("youngs_modulus = ", "young_modulus = ", "the nearest one is youngs_modulus"),
+        ("\nclearance = ", "\nclearence = ", "the nearest one is clearance (1 further problem in this file)"),
+        ("youngs_modulus = ", "E = ", "take one of them, or remove it (1 further problem in this file)"),
+        ("\ndensity = ", "\ndensitty = 1.0\n# ", "the nearest one is density"),
+        ("\ndensity = ", "\ndensitty = 1.0\ndensity = ", "the nearest one is density"),
+    ],
+)
+def test_a_misspelt_key_is_one_problem(bad_rig, old, new, ending):
+    assert bad_rig(REFERENCE.read_text().replace(old, new)).endswith(f"; {ending}")
