@@ -1,5 +1,7 @@
 """Every finding of every file, not only the first."""
 
+import re
+
 import pytest
 from cli_files import RIG_TOML, make_files
 
@@ -40,10 +42,12 @@ def test_fine_files_say_what_they_hold(folder):
 @pytest.mark.parametrize(
     ("key", "value", "doubt"),
     [
-        ("length = 1.2", "length = 1200.0", "are both in m?"),
-        ("diameter = 0.02", "diameter = 20.0", "are both in m?"),
-        ("youngs_modulus = 210e9", "youngs_modulus = 210e3", "in SI units?"),
-        ("clearance = 3e-4", "clearance = 0.3", "is it in m?"),
+        ("length = 1.2", "length = 1200.0", "all lengths are in m: if length is in mm, write length = 1.2"),
+        ("diameter = 0.02", "diameter = 20.0", "all lengths are in m: if diameter is in mm, write diameter = 0.02"),
+        ("youngs_modulus = 210e9", "youngs_modulus = 210e3", "if youngs_modulus is in MPa, write 2.1e+11"),
+        ("youngs_modulus = 210e9", "youngs_modulus = 210.0", "if youngs_modulus is in GPa, write 2.1e+11"),
+        ("density = 7850.0", "density = 7.85e6", "correct the one that is not in this unit"),
+        ("clearance = 3e-4", "clearance = 0.3", "if it is in mm, write clearance = 0.0003"),
         ("rayleigh_damping = [4.0, 2e-5]", "rayleigh_damping = [2e-5, 4.0]", "and eta2 the second, in s?"),
     ],
 )
@@ -56,10 +60,46 @@ def test_numbers_in_another_unit_are_doubted(folder, key, value, doubt):
     assert (found.severity, found.text.endswith(doubt)) == ("finding", True)
 
 
+def scaled(text, *keys, factor=1000.0):
+    """The rig with some lengths in another unit than m."""
+    return re.sub(rf"\b({'|'.join(keys)}) = (\S+)", lambda m: f"{m[1]} = {factor * float(m[2]):g}", text)
+
+
+def test_lengths_in_mm_beside_positions_in_m_are_told_with_the_numbers_to_write(folder):
+    path = folder / "mm.toml"
+    path.write_text(scaled(RIG_TOML, "length", "diameter"))
+    (found,) = check_files(path, []).findings
+    assert found.text == (
+        "length = 1200 m and diameter = 20 m; a beam on a bench is no longer than 50 m, and all sleeves, sensors and "
+        "forces of this one lie within 1.2 m from the clamp, 0.10% of its length; all lengths are in m: if length and "
+        "diameter are in mm, write length = 1.2 and diameter = 0.02"
+    )
+
+
+def test_a_short_beam_in_mm_is_told_by_where_its_parts_are(folder):
+    path = folder / "short.toml"
+    short = scaled(RIG_TOML, "length", "position", factor=0.03)
+    path.write_text(scaled(short, "length", "diameter"))
+    (found,) = check_files(path, []).findings
+    assert found.text.startswith(
+        "length = 36 m and diameter = 20 m; a beam is 5 to 1000 times as long as thick, and all"
+    )
+    path.write_text(scaled(RIG_TOML, "length", "diameter", factor=100.0))
+    (found,) = check_files(path, []).findings
+    assert found.text.endswith("if length and diameter are in cm, write length = 1.2 and diameter = 0.02")
+
+
+def test_a_rig_all_in_mm_is_to_be_written_in_m_throughout(folder):
+    path = folder / "all_mm.toml"
+    path.write_text(scaled(RIG_TOML, "length", "diameter", "position", "clearance"))
+    (found,) = check_files(path, []).findings
+    assert found.text.endswith("write length = 1.2 and diameter = 0.02, and each position in m too")
+
+
 def test_a_record_that_an_odd_rig_refuses_names_the_rig_too(folder):
     path = folder / "soft.toml"
     path.write_text(RIG_TOML.replace("youngs_modulus = 210e9", "youngs_modulus = 210"))
-    with pytest.raises(InputError, match=r"sweep.csv: .* one period of the first mode, .*; or see soft.toml: the beam"):
+    with pytest.raises(InputError, match=r"sweep.csv: .* one period of the first mode, .*; or see soft.toml: length"):
         read_inputs(path, [folder / "sweep.csv"])
 
 
@@ -68,7 +108,7 @@ def test_a_run_carries_what_is_odd_about_its_rig(folder):
     path.write_text(RIG_TOML.replace("clearance = 3e-4", "clearance = 0.02"))
     (first, *_) = read_inputs(path, [folder / "sweep.csv"]).findings
     assert first.startswith("wide.toml: ")
-    assert first.endswith("is it in m?")
+    assert first.endswith("if it is in mm, write clearance = 2e-05")
 
 
 def test_a_file_is_named_once_in_a_line(folder):
