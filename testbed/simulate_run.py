@@ -47,6 +47,7 @@ class Order:
         suffix: of the records.
         truth_path: truth of an earlier test, whose rig this one is carried out on; None for the experiment's own.
         prefix: before the names of the records.
+        seed: in place of the experiment's; None for that.
     """
 
     rig_path: Path
@@ -56,11 +57,12 @@ class Order:
     suffix: str
     truth_path: Path | None = None
     prefix: str = ""
+    seed: int | None = None
 
     def digest(self) -> str:
         """By which a run that was stopped is known again."""
         asked = [__version__, sha256(self.rig_path), sha256(self.experiment_path), self.simulator, self.resolution]
-        asked += [None if self.truth_path is None else sha256(self.truth_path), self.prefix]
+        asked += [None if self.truth_path is None else sha256(self.truth_path), self.prefix, self.seed]
         return hashlib.sha256(repr(asked).encode()).hexdigest()
 
 
@@ -105,6 +107,8 @@ def run_experiment(order: Order, out: Path, *, jobs: int, progress: Progress, po
 def _planned(order: Order) -> tuple[Rig, Experiment, tuple[Run, ...], Laboratory]:
     """What is to be done, on which rig."""
     rig, experiment = whole_rig(order.rig_path), read_experiment(order.experiment_path)
+    if order.seed is not None:
+        experiment = experiment.model_copy(update={"seed": order.seed})
     known = None if order.truth_path is None else read_truth(order.truth_path)
     with in_file(order.experiment_path.name):
         runs, laboratory = runs_of(experiment, rig), laboratory_of(experiment, rig)

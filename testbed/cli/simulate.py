@@ -29,6 +29,10 @@ TruthFile = Annotated[
     typer.Option("--truth", metavar="FILE", help="Test the rig of an earlier virtual test, whose truth.toml this is."),
 ]
 Prefix = Annotated[str, typer.Option("--prefix", metavar="TEXT", help="Before the names of the records.")]
+OwnSeed = Annotated[
+    int | None,
+    typer.Option("--seed", min=0, help="Seed of every random choice; the experiment's own unless given."),
+]
 Spatial = Annotated[
     bool, typer.Option("--spatial", help="Let the beam leave the rig's plane, in sleeves that are round.")
 ]
@@ -46,6 +50,7 @@ def simulate(
     spatial: Spatial = False,
     truth: TruthFile = None,
     prefix: Prefix = "",
+    seed: OwnSeed = None,
     jobs: Jobs = 2,
     as_json: AsJson = False,
 ) -> None:
@@ -55,7 +60,9 @@ def simulate(
         from models.simulators.protocol import Resolution
         from testbed.simulate_run import Order, run_experiment
 
-        order = Order(rig, experiment, using, Resolution(parts, steps, spatial=spatial), f".{form}", truth, prefix)
+        order = Order(
+            rig, experiment, using, Resolution(parts, steps, spatial=spatial), f".{form}", truth, prefix, seed
+        )
         content = run_experiment(order, folder, jobs=jobs, progress=tell)
     from testbed.check import counted
     from testbed.cli.tables import print_json, print_table, say

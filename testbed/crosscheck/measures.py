@@ -25,6 +25,7 @@ FRF_SECONDS, FRF_SHIFT = 8.0, 0.5
 end is weighed down by exp(-FRF_SHIFT t), in input and output alike."""
 
 SEED = 7
+"""Of the excitation's phases, unless another is asked for."""
 
 FAR_AWAY = 0.5
 """Clearance, m, at which no sleeve is touched."""
@@ -86,15 +87,15 @@ def variant(rig: Rig, clearance: float | None) -> Rig:
     return rig.model_copy(update={"sleeves": tuple(s.model_copy(update={"clearance": clearance}) for s in rig.sleeves)})
 
 
-def multisine(level: float, seconds: float = 1.0) -> FloatArray:
+def multisine(level: float, seconds: float = 1.0, seed: int = SEED) -> FloatArray:
     """(N,) the excitation of all tests, N."""
     n = round(seconds * FS)
-    return random_phase_multisine(np.random.default_rng(SEED), FS, n, 1, *BAND, level)
+    return random_phase_multisine(np.random.default_rng(seed), FS, n, 1, *BAND, level)
 
 
-def shaken(simulator: Simulator, plant: Plant, level: float, seconds: float = 1.0) -> Motion:
-    """The rig under that excitation."""
-    return simulator.run(plant, Trial(FS, multisine(level, seconds)), REAL[simulator.name])
+def shaken(simulator: Simulator, plant: Plant, force: FloatArray) -> Motion:
+    """The rig under an excitation, (N,) N."""
+    return simulator.run(plant, Trial(FS, force), REAL[simulator.name])
 
 
 def freq_differences(rig: Rig, name: str, modal: Simulator, other: Simulator) -> Iterator[Measure]:
@@ -134,11 +135,11 @@ def rest_differences(rig: Rig, name: str, modal: Simulator, other: Simulator) ->
         yield Measure(name, f"contact stiffness of {plant.contacts[i].sleeve}", other.name, difference, bound, "%")
 
 
-def frf_of(simulator: Simulator, plant: Plant) -> tuple[FloatArray, ComplexArray]:
+def frf_of(simulator: Simulator, plant: Plant, seed: int) -> tuple[FloatArray, ComplexArray]:
     """(lines,) Hz and (n_sensors, lines) FRFs, read ``FRF_SHIFT`` beside the imaginary axis, where nothing leaks."""
     n, burst = round(FRF_SECONDS * FS), round(FS)
     force = np.zeros(n)
-    force[:burst] = multisine(1.0) * np.sin(np.pi * np.arange(burst) / burst) ** 2
+    force[:burst] = multisine(1.0, seed=seed) * np.sin(np.pi * np.arange(burst) / burst) ** 2
     motion = simulator.run(plant, Trial(FS, force), REAL[simulator.name])
     weight = np.exp(-FRF_SHIFT * np.arange(n) / FS)
     freq = fft.rfftfreq(n, 1.0 / FS)
@@ -147,10 +148,10 @@ def frf_of(simulator: Simulator, plant: Plant) -> tuple[FloatArray, ComplexArray
     return freq[lines], ratio[:, lines]
 
 
-def frf_differences(rig: Rig, name: str, modal: Simulator, other: Simulator) -> Iterator[Measure]:
+def frf_differences(rig: Rig, name: str, modal: Simulator, other: Simulator, seed: int) -> Iterator[Measure]:
     """Of linear FRFs, the sleeves without clearance and so closed for good."""
     plant, bounds = build_plant(variant(rig, 0.0)), BOUNDS[other.name]
-    (_, ours), (_, theirs) = frf_of(modal, plant), frf_of(other, plant)
+    (_, ours), (_, theirs) = frf_of(modal, plant, seed), frf_of(other, plant, seed)
     worst = float(frac(theirs, ours).min())
     yield Measure(name, "FRAC of linear FRFs, worst point", other.name, worst, bounds.frac, "")
     size = np.abs(ours).max(axis=0)
@@ -205,9 +206,8 @@ SAME_IMPACT = 1e-3
 """s between the middles of what counts as one impact."""
 
 
-def predictable(modal: Simulator, plant: Plant) -> float:
-    """Seconds until a disturbance of 1e-9 of the force has grown to where half a percent would be lost."""
-    force = multisine(LEVEL)
+def predictable(modal: Simulator, plant: Plant, force: FloatArray) -> float:
+    """Seconds until a disturbance of 1e-9 of the force, (N,) N, has grown to where half a percent would be lost."""
     one, other = (modal.run(plant, Trial(FS, f), REAL["modal"]).channels for f in (force, force * (1.0 + 1e-9)))
     apart = np.abs(other - one).max(axis=0) / (1e-9 * np.abs(one).max())
     beyond = np.flatnonzero(np.maximum.accumulate(apart) > MOST_GROWTH)

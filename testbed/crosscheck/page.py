@@ -30,6 +30,7 @@ def crosscheck_json(found: CrossCheck) -> Json:
     """
     return {
         "holds": found.holds,
+        "seed": found.seed,
         "measures": [{**vars(measure), "holds": measure.holds} for measure in found.measures],
         "convergence": [vars(row) for row in found.convergence],
         "predictable_seconds": found.horizons,
@@ -48,8 +49,8 @@ def page_of(found: CrossCheck, command: str) -> str:
     lines = [
         "# Cross-check of the simulators",
         "",
-        f"The modal model against the others on the same tests, under 30 N rms from 3 to 250 Hz. {verdict} Made by",
-        f"`{command}`.",
+        "The modal model against the others on the same tests, under 30 N rms from 3 to 250 Hz with phases of seed",
+        f"{found.seed}. {verdict} Made by `{command}`.",
         "",
         "![Each difference as a share of its bound](figures/bounds.png)",
         "",

@@ -15,7 +15,14 @@ from testbed.whole_rig import whole_rig
 
 
 def run_crosscheck(
-    rig_path: Path, others: Sequence[str], out: Path, *, command: Sequence[str], progress: Progress
+    rig_path: Path,
+    others: Sequence[str],
+    out: Path,
+    *,
+    seed: int,
+    jobs: int,
+    command: Sequence[str],
+    progress: Progress,
 ) -> Json:
     """Cross-check the simulators on a rig and write the result.
 
@@ -23,6 +30,8 @@ def run_crosscheck(
         rig_path: the rig file.
         others: simulators that the modal model is held against.
         out: folder of the results.
+        seed: of the excitation's phases.
+        jobs: processes.
         command: as typed, for the page.
         progress: told what is being done.
 
@@ -34,7 +43,7 @@ def run_crosscheck(
         DivergenceError: a simulator lost the motion.
     """
     rig = whole_rig(rig_path)
-    found = crosscheck(rig, others, progress)
+    found = crosscheck(rig, others, progress, seed=seed, jobs=jobs)
     content = crosscheck_json(found)
     with staged(out) as stage:
         (stage / "crosscheck.json").write_text(json_text(content), encoding="utf-8")

@@ -314,3 +314,21 @@ def test_a_truth_that_does_not_fit_is_told(truth, text, message, tmp_path, capsy
     assert main([*order, "--out", str(tmp_path / "out")]) == 2
     assert message in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_a_seed_on_the_command_line_stands_for_the_experiments_own(folder, tmp_path):
+    written = tmp_path / "test.toml"
+    written.write_text(EXPERIMENT.replace("seed = 5", "seed = 6"))
+    order = ["simulate", str(RIG), "--jobs", "1", "--format", "h5", "--out"]
+    assert main([*order, str(tmp_path / "in_file"), str(written)]) == 0
+    for seed in ("6", "7", "6"):  # the third time over records of another seed
+        assert main([*order, str(tmp_path / "asked"), str(folder / "test.toml"), "--seed", seed]) == 0
+        truth = tomllib.loads((tmp_path / "asked" / "truth.toml").read_text())
+        same = tomllib.loads((tmp_path / "in_file" / "truth.toml").read_text())
+        wanted, found = (
+            read_record(tmp_path / each / "multisine_6.h5", read_rig(RIG)) for each in ("in_file", "asked")
+        )
+        assert truth["seed"] == int(seed)
+        assert (truth == same) == (seed == "6")
+        assert np.array_equal(found.excitation, wanted.excitation) == (seed == "6")
+        assert np.array_equal(found.responses, wanted.responses) == (seed == "6")

@@ -68,7 +68,7 @@ def test_a_bound_is_from_above_and_for_frac_from_below():
 
 def test_a_rig_without_contact_is_predictable_and_a_variant_has_another_clearance():
     far = build_plant(variant(REFERENCE, 0.5))
-    assert predictable(simulator("modal"), far) == 1.0
+    assert predictable(simulator("modal"), far, multisine(30.0)) == 1.0
     assert {sleeve.clearance for sleeve in variant(REFERENCE, 2e-3).sleeves} == {2e-3}
     assert variant(REFERENCE, None) is REFERENCE
 
@@ -93,11 +93,12 @@ def test_motion_with_impacts_agrees(name):
 
 def test_the_page_and_the_json_tell_what_was_missed():
     good = Measure("as given", "static sag", "exudyn", 0.005, 0.01, "%")
-    found = CrossCheck((good, replace(good, value=0.5)), (), {}, {"as given": 1.0})
+    found = CrossCheck((good, replace(good, value=0.5)), (), {}, {"as given": 1.0}, seed=7)
     page, content = page_of(found, "testbed crosscheck rig.toml"), crosscheck_json(found)
     assert "1 of 2 bounds are missed" in page
     assert page.count("**missed**") == 1
     assert json.loads(json.dumps(content))["holds"] is False
+    assert (content["seed"], "with phases of seed\n7." in page) == (7, True)
 
 
 def test_an_oscillator_has_nothing_to_cross_check(tmp_path, capsys):
@@ -125,3 +126,16 @@ def test_the_whole_cross_check_keeps_its_bounds():
     assert orders["modal", "steps per sample"] > 1.8
     assert orders["mujoco", "steps per sample"] > 0.5  # from 0.07 % on, what the armature at the clamp leaves
     assert len(told) == 7
+
+
+def test_another_seed_has_other_phases_and_no_job_changes_a_number():
+    assert np.abs(multisine(30.0, seed=1) - multisine(30.0)).max() > 10.0
+    order = REFERENCE, ["mujoco"]
+    alone, beside = (crosscheck(*order, lambda _: None, (5e-5, 2e-3), seed=1, jobs=jobs) for jobs in (1, 2))
+    usual = crosscheck(*order, lambda _: None, (5e-5,))
+    assert alone.measures == beside.measures
+    assert alone.horizons == beside.horizons
+    assert [fall.errors.tolist() for fall in alone.convergence] == [fall.errors.tolist() for fall in beside.convergence]
+    assert (alone.seed, usual.seed) == (1, 7)
+    assert alone.measures[: len(usual.measures)] != usual.measures
+    assert not np.array_equal(alone.motions["mujoco"].channels, usual.motions["mujoco"].channels)
