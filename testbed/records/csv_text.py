@@ -11,12 +11,16 @@ from models.arrays import FloatArray
 from models.errors import InputError
 from testbed.records.headings import check_brackets
 from testbed.records.recording import RawChannel, Recording, Tag, headed
+from testbed.records.units import is_unit
 
 HOLDS = 'a header of "name [unit]" and one row of numbers for each sample'
 
 _SETTING = re.compile(r"#\s*(fs|excitation_position)\s*[=:]\s*(\S+).*")
 _TIME_NAMES = ("time", "t")
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
+_BRACKETS = re.compile(r"^\s*[\[(]?\s*|\s*[\])]?\s*$")
+"""Around a unit in a cell of its own."""
+
 _WITHOUT_POINT = re.compile(r"[-+]?\d+([eE][-+]?\d+)?")
 
 
@@ -34,6 +38,7 @@ def read(path: Path) -> Recording:
     lines = [line for line in lines if not _SETTING.fullmatch(line.strip())]
     header, rows = _split(lines, path.name)
     separator = max(";\t,", key=header.count)
+    _check_separator(header, rows, separator, path.name)
     tags = [headed(cell) for cell in next(csv.reader([header], delimiter=separator))]
     check_brackets(tags, path.name)
     values = _numbers(rows, separator, tags, path.name)
@@ -109,6 +114,22 @@ def _split(lines: list[str], file: str) -> tuple[str, list[str]]:
     return header, rows
 
 
+def _check_separator(header: str, rows: list[str], separator: str, file: str) -> None:
+    """Whether the values stand apart by one that is known, and by nothing behind the last of them."""
+    if separator not in header and len(rows[0].split()) > 1:
+        raise InputError(
+            f"{file}: blanks stand between the values, as in {rows[0].strip()[:40]!r}",
+            "the values of a .csv file stand apart by commas, semicolons or tabs",
+            "export with one of these, the header alike",
+        )
+    if rows[0].rstrip(" ").endswith(separator) and all(row.rstrip(" ").endswith(separator) for row in rows):
+        raise InputError(
+            f"{file}: a {separator!r} stands at the end of each line",
+            "separators stand between the values",
+            "remove it there, or name the channel that is missing",
+        )
+
+
 def _numbers(rows: list[str], separator: str, tags: list[Tag], file: str) -> FloatArray:
     """(N, n_columns)."""
     if separator == ";":
@@ -136,6 +157,8 @@ def _bad_row(rows: list[str], separator: str, tags: list[Tag], file: str) -> Inp
             )
         for tag, cell in zip(tags, cells, strict=True):
             if not _is_number(cell):
+                if sample == 0 and any(is_unit(_BRACKETS.sub("", each)) for each in cells):
+                    return _units_below(tags, cells, separator, file)
                 given = f'{file}: channel {tag.shown}, sample {sample} is "{cell.strip()[:40]}"'
                 if _is_number(cell.replace(",", ".")):
                     return _decimal_commas(given)
@@ -145,6 +168,16 @@ def _bad_row(rows: list[str], separator: str, tags: list[Tag], file: str) -> Inp
                     "repair the sample, or cut the record before it",
                 )
     return InputError(f"{file}: cannot be read", f"a .csv file has {HOLDS}", "check the file's suffix")
+
+
+def _units_below(tags: list[Tag], cells: list[str], separator: str, file: str) -> InputError:
+    """What to say of a line of units of its own, as many recorders export it."""
+    headings = [f"{tag.name} [{_BRACKETS.sub('', cell)}]" for tag, cell in zip(tags, cells, strict=True)]
+    return InputError(
+        f"{file}: the line below the header is {separator.join(cells)[:60]!r}",
+        "units stand in the header, in square brackets behind the names",
+        f"make one line of the two: {separator.join(headings)[:120]}",
+    )
 
 
 def _are_halves(cells: list[str], n_columns: int) -> bool:

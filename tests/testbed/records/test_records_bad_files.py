@@ -225,6 +225,22 @@ ALWAYS = {
         csv(lambda lines: [line.replace(",", "\t").replace(".", ",") for line in lines]),
         ["bad.csv", "channel shaker, sample 0", "decimal commas"],
     ),
+    "units below the header": (
+        csv(lambda lines: ["time,shaker,P1,P2,P3,P4", "[s],(N),m/s^2,m/s^2,m/s^2,m/s^2", *lines[1:]]),
+        ["bad.csv", "the line below the header is '[s],(N),m", "make one line of the two: time [s],shaker [N],P1 [m/"],
+    ),
+    "a comma behind each line": (
+        csv(lambda lines: [f"{line}," for line in lines]),
+        ["bad.csv", "a ',' stands at the end of each line", "remove it there"],
+    ),
+    "a tab behind each row": (
+        csv(lambda lines: [lines[0].replace(",", "\t"), *(line.replace(",", "\t") + "\t" for line in lines[1:])]),
+        ["bad.csv", r"a '\t' stands at the end of each line", "remove it there"],
+    ),
+    "blanks between values": (
+        csv(lambda lines: [line.replace(",", " ") for line in lines]),
+        ["bad.csv", "blanks stand between the values", "commas, semicolons or tabs"],
+    ),
     "half a character of UTF-16": (
         content("bad.csv", "\n".join(csv_lines()).encode("utf-16")[:-1]),
         ["bad.csv", "UTF-16", "export it again"],
