@@ -10,6 +10,7 @@ from pydantic import Field, ValidationError
 from models.errors import InputError
 from models.excitations import Lines
 from models.rig import EffectEntry, NonNegative, Part, Positive
+from models.rig_file import RECORDS
 
 Count = Annotated[int, Field(ge=1, strict=True)]
 
@@ -131,7 +132,7 @@ class SensorTable(Part):
 class Truth(Part):
     """What the rig's owner does not know: numbers off within their tolerance, and effects that nobody mentioned."""
 
-    perturbed: bool = False
+    perturbed: Annotated[bool, Field(strict=True)] = False
     effects: tuple[EffectEntry, ...] = ()
 
 
@@ -162,12 +163,7 @@ def read_experiment(path: Path) -> Experiment:
     Raises:
         InputError: it cannot be read, is not TOML, or describes no experiment; the first problem is told.
     """
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror}", "an experiment is a TOML file", "correct the path") from error
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise InputError(f"{path.name}: {error}", "an experiment is a TOML file", "correct it there") from error
+    content = _content(path)
     if "structure" in content:
         raise InputError(
             f"{path.name}: a rig file in the place of the experiment",
@@ -179,7 +175,34 @@ def read_experiment(path: Path) -> Experiment:
     except ValidationError as error:
         raise _fault(error, path.name) from error
     _check_band(experiment, path.name)
+    _check_length(experiment, path.name)
     return experiment
+
+
+def _content(path: Path) -> dict[str, Any]:
+    """The tables of the file, with or without a byte order mark as Windows writes it."""
+    if path.suffix.lower() in RECORDS:
+        raise InputError(
+            f"{path.name}: a record in the place of the experiment",
+            "testbed simulate makes records, from a rig file and an experiment (.toml)",
+            f"name the experiment second; {LOOK}",
+        )
+    try:
+        return tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}", "an experiment is a TOML file", "correct the path") from error
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"{path.name}: byte {error.start + 1} is not UTF-8",
+            "an experiment is a text in UTF-8",
+            "save it from a text editor with that encoding",
+        ) from error
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(
+            f"{path.name}: {error}",
+            "an experiment is valid TOML",
+            "correct that line; decimals take a point, texts stand in quotes, and numbers have no unit",
+        ) from error
 
 
 def _check_band(experiment: Experiment, file: str) -> None:
@@ -201,6 +224,22 @@ def _check_band(experiment: Experiment, file: str) -> None:
         )
 
 
+MOST_SAMPLES = 1e7
+"""Of a record: more than an hour at 2048 Hz, and near a gigabyte in a dozen channels."""
+
+
+def _check_length(experiment: Experiment, file: str) -> None:
+    """A record ends before it fills the memory; seconds that were given in ms ask for a thousand times too many."""
+    for key in ("duration", "period", "interval"):
+        seconds = getattr(experiment.excitation, key, 0.0)
+        if seconds * experiment.fs > MOST_SAMPLES:
+            raise InputError(
+                f"{file}: excitation.{key} = {seconds:g} s at fs = {experiment.fs:g} Hz",
+                f"a record has up to {MOST_SAMPLES:g} samples, {MOST_SAMPLES / experiment.fs:.3g} s at this rate",
+                f"give {key} in s and fs in Hz",
+            )
+
+
 EXCITATIONS: dict[str, type[Part]] = {
     "multisine": Multisine,
     "sweep": Sweep,
@@ -213,10 +252,25 @@ EXCITATIONS: dict[str, type[Part]] = {
 
 LOOK = "docs/experiments.md lists the keys and their units"
 
+FORMS = {
+    "excitation": ("the excitation is one table", "head it with [excitation], in single brackets, and name its kind"),
+    "sensors": ("each sensor is a table under its name", "head it with [sensors.NAME], or [sensors.all] for the rest"),
+    "truth": ("the truth is one table", "head it with [truth], in single brackets"),
+    "effects": ("effects are a list of tables", "head each one with [[truth.effects]], in double brackets"),
+    "positions": ("positions are a list of numbers, m", "write it as in positions = [0.3, 0.7]"),
+}
+"""What is a table or a list, and how it is written."""
+
+FORM_FAULTS = ("model_attributes_type", "model_type", "dict_type", "tuple_type")
+
+RULES = {"bool_type": "it should be true or false, without quotes"}
+"""Where the validator's own words are not an engineer's."""
+
 
 def _fault(error: ValidationError, file: str) -> InputError:
     """The first problem in three parts; of a key that takes one number or a list, that of the list if it was given."""
-    first = error.errors()[0]
+    # A misspelt key may also be a missing one; the spelling is what its owner has to hear about.
+    first = min(error.errors(), key=lambda each: each["type"] != "extra_forbidden")
     if isinstance(first["input"], list):
         there = [each for each in error.errors() if each["loc"][:3] == first["loc"][:3]]
         first = max(reversed(there), key=lambda each: len(each["loc"]))
@@ -225,17 +279,27 @@ def _fault(error: ValidationError, file: str) -> InputError:
     if first["type"] == "extra_forbidden":
         known = _keys_beside(first["loc"])
         near = get_close_matches(keys[-1], known, n=1)
-        mend = f"did you mean {near[0]}?" if near else "remove it"
-        return InputError(where, f"the keys here are {', '.join(known)}", mend)
+        mend = f"did you mean {near[0]}?" if near else FORMS.get(keys[-1], ("", "remove it"))[1]
+        return InputError(f"{where} is unknown", f"the keys here are {', '.join(known)}", mend)
     if first["type"] == "missing":
         return InputError(f"{where} is missing", "it has no default", f"add {keys[-1]}; {LOOK}")
     if first["type"].startswith("union_tag"):
         kind = first.get("ctx", {}).get("tag", "none")
         return InputError(f"{where}.kind = {kind}", f"a kind is one of {', '.join(EXCITATIONS)}", "choose one of them")
-    rule = first["msg"].replace("Input should", "it should")
+    form = next((FORMS[key] for key in reversed(keys) if key in FORMS), None)
+    if first["type"] in FORM_FAULTS and form is not None:
+        return InputError(f"{where} = {_shown(first['input'])}", *form)
+    rule = RULES.get(first["type"], first["msg"].replace("Input should", "it should"))
     if _takes_a_list(first["loc"], error):
         rule += ", or a list of them"
     return InputError(f"{where} = {first['input']!r}", rule[0].lower() + rule[1:], LOOK)
+
+
+def _shown(value: Any) -> str:
+    """A value as it stands in the file, a table without its keys."""
+    if isinstance(value, list):
+        return f"[{', '.join(map(_shown, value))}]"
+    return "{...}" if isinstance(value, dict) else repr(value)
 
 
 def _is_branch(key: str | int) -> bool:

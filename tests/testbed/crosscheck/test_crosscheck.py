@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from models.errors import InputError
 from models.plant import build_plant
 from models.rig_file import read_rig
 from models.simulators import simulator
@@ -14,6 +15,7 @@ from models.simulators.protocol import EnergyBalance, Motion, Resolution, Trial
 from testbed.cli.app import main
 from testbed.crosscheck.measures import (
     FS,
+    SEED,
     Measure,
     freq_differences,
     impulse_difference,
@@ -128,8 +130,24 @@ def test_the_whole_cross_check_keeps_its_bounds():
     assert len(told) == 7
 
 
-def test_another_seed_has_other_phases_and_no_job_changes_a_number():
-    assert np.abs(multisine(30.0, seed=1) - multisine(30.0)).max() > 10.0
+def test_seed_and_jobs_reach_the_cross_check(tmp_path, capsys, monkeypatch):
+    asked = []
+
+    def noted(*_, **options):
+        asked.append(options)
+        raise InputError("noted", "as asked", "go on")
+
+    monkeypatch.setattr("testbed.crosscheck.run.crosscheck", noted)
+    order = ["crosscheck", str(Path(__file__).parents[2] / "data" / "reference_rig.toml"), "--out", str(tmp_path)]
+    assert [main(order), main([*order, "--seed", "3", "--jobs", "1"])] == [2, 2]
+    assert asked == [{"seed": SEED, "jobs": 2}, {"seed": 3, "jobs": 1}]
+    assert "noted" in capsys.readouterr().err
+    assert np.abs(multisine(30.0, seed=3) - multisine(30.0)).max() > 10.0
+
+
+@pytest.mark.slow
+@pytest.mark.study
+def test_another_seed_moves_the_rig_otherwise_and_no_job_changes_a_number():
     order = REFERENCE, ["mujoco"]
     alone, beside = (crosscheck(*order, lambda _: None, (5e-5, 2e-3), seed=1, jobs=jobs) for jobs in (1, 2))
     usual = crosscheck(*order, lambda _: None, (5e-5,))
