@@ -64,8 +64,9 @@ def rig_doubts(rig: Rig) -> Iterator[str]:
 
 def _size(rig: Rig, beam: Beam) -> str | None:
     """Of length and diameter: by each other, by what a laboratory holds, and by where the rig's parts are."""
-    parts = (*rig.sleeves, *([] if rig.excitation is None else [rig.excitation]), *rig.sensors)
-    furthest = max((part.position for part in parts if part.position is not None), default=None)
+    driven = None if rig.excitation is None else rig.excitation.position
+    positions = [driven, *(sleeve.position for sleeve in rig.sleeves), *(sensor.position for sensor in rig.sensors)]
+    furthest = max((position for position in positions if position is not None), default=None)
     usual = []
     if not _is_slender(beam.length, beam.diameter):
         usual.append(f"a beam is {SLENDER[0]:g} to {SLENDER[1]:g} times as long as thick")
