@@ -53,7 +53,10 @@ def summary_of(cases: Sequence[Json], case_set: str) -> Json:
             "bars": bars_of(reached_newest),
             "laws_alike": reached_newest["laws_alike"],
             "kinds_alike": reached_newest["kinds_alike"],
+            "seconds_alone": seconds_alone(newest),
+            "shares_of_engines": shares_of_engines(newest),
         },
+        "shares_of_engines": shares_of_engines(cases),
         "failed": [{"case": case["case"], "failure": case["failure"]} for case in cases if "judged" not in case],
         **reached,
         f"one effect below {MANY:g} times the noise": row_of([c for c in hidden_one if _ratio(c) < MANY]),
@@ -273,7 +276,7 @@ def _reaches(case: Json) -> bool | None:
     return final["nrmse"] <= NOISE_REACHED * final["noise_nrmse"] if "noise_nrmse" in final else None
 
 
-TAUGHT_UNTIL = 20731
+TAUGHT_UNTIL = 38803
 """Seed of the last of the batches from which the shares were taken that are kept by what a model leaves."""
 
 
@@ -289,7 +292,9 @@ def by_what_is_left(cases: Sequence[Json]) -> list[Json]:
         for met in (True, False):
             alike = [c for c in some if _reaches(c) == met]
             right = sum(first_is_there(c) for c in alike)
-            rows.append({"taught": taught, "met": met, "right": right, "cases": len(alike)})
+            chances = [chance for c in alike if (chance := c["judged"]["probability"]) is not None]
+            believed = float(np.mean(chances)) if chances else None
+            rows.append({"taught": taught, "met": met, "believed": believed, "right": right, "cases": len(alike)})
     return rows
 
 
@@ -489,6 +494,33 @@ def seconds(cases: Sequence[Json]) -> Json:
 
 CORES = 2
 """Of the machine that the bar means."""
+
+
+def seconds_alone(cases: Sequence[Json]) -> Json:
+    """What a diagnosis takes on one thread, by class: class -> cases and median.
+
+    Args:
+        cases: of one set; those that failed are left out.
+    """
+    alone = [case for case in cases if "judged" in case and case["seconds"]["threads"] == 1]
+    taken = {name: [case["seconds"]["diagnosis"] for case in group] for name, group in _by_class(alone).items()}
+    return {
+        name: {"cases": len(some), "median": float(np.median(some)) if some else None} for name, some in taken.items()
+    }
+
+
+def shares_of_engines(cases: Sequence[Json]) -> Json:
+    """How many of the cases that every engine can carry each of them moved: engine -> cases.
+
+    Args:
+        cases: of one set; those that failed are left out.
+    """
+    done = [case for case in cases if "judged" in case]
+    return dict(Counter(case["engine"] for case in done if not FINE_ALONE & {one["kind"] for one in case["hidden"]}))
+
+
+FINE_ALONE = frozenset({"axial_load", "breathing_crack", "local_damage", "stiffness_drift", "structural_damping"})
+"""Kinds that our finite elements alone carry."""
 
 
 def in_a_line(case: Json) -> str:

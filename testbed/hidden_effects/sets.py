@@ -466,6 +466,7 @@ BEFORE = {
     23131: (10, "all right, but slow where the true rig makes more of the force's noise than the given one"),
     24419: (6, "nothing: all right, and stopped to mend what a new user and an acceptance reading had found"),
     34403: (11, "nothing: all right, and put aside for a batch that does not begin with the same kinds again"),
+    39901: (2, "nothing: both right, and put aside since the diagnosis was mended before the third was done"),
 }
 """Reported batches of earlier diagnoses, which do not count: seed -> (cases, what they taught)."""
 

@@ -5,6 +5,7 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from identification.outcome import UNTRIED, UNTRIED_BEYOND, UNTRIED_MISSED
 from identification.result import Diagnosis
 from models.rig import Rig
 from testbed.figures.report_style import report_style
@@ -33,7 +34,7 @@ from testbed.report.rows import (
     rig_pulls,
     stage_rows,
 )
-from testbed.report.words import headline, second_line
+from testbed.report.words import chance, headline, second_line
 
 FILE = "report.html"
 FIRST, FIRST_PICTURE = "error_steps", "error.svg"
@@ -94,6 +95,9 @@ def _content(diagnosis: Diagnosis, rig: Rig, provenance: Provenance) -> dict[str
         "candidates": candidates[:CANDIDATES],
         "more_candidates": candidates[CANDIDATES:],
         "decisive": f"{DECISIVE:g}",
+        "untried": chance(UNTRIED),
+        "untried_beyond": chance(UNTRIED_BEYOND),
+        "untried_missed": chance(UNTRIED_MISSED),
         "groups": group_rows(diagnosis),
         "because": because(diagnosis),
         "evidence": evidence_picture(diagnosis, rig, place) or next(iter((*forces, *frfs)), None),

@@ -270,6 +270,11 @@ def test_many_records_make_a_page_of_a_few_megabytes_that_says_what_it_leaves_ou
     assert "28 less probable candidates" in page.text
 
 
+def test_what_is_kept_for_what_was_not_judged_is_said_beside_the_probabilities(rig, diagnosis, tmp_path):
+    page = page_of(diagnosis, rig, tmp_path)
+    assert "5.0 % where the noise is reached, 20 % where more is left, 50 % where" in page.text.replace("\xa0", " ")
+
+
 def test_modes_and_frfs_stand_beside_those_of_both_models(rig, tmp_path):
     names, found = tuple(sensor.name for sensor in rig.sensors), made_up_diagnosis(rig)
     shapes = np.ones((2, len(names)), complex)

@@ -11,6 +11,7 @@ from models.plant import build_plant
 from models.simulators import simulator
 from models.simulators.protocol import Hold, Resolution, Trial
 from models.structure import Absorber
+from testbed.hidden_effects.scores import FINE_ALONE
 
 ENGINES = ("mujoco", "exudyn")
 
@@ -57,6 +58,16 @@ EXAMPLES = {
 
 def test_every_effect_of_a_beam_has_an_example():
     assert set(EXAMPLES) == {kind for kind, cls in EFFECTS.items() if "beam" in cls.structures}
+
+
+def test_the_benchmark_knows_what_its_finite_elements_carry_alone():
+    plants = {kind: with_effects({"kind": kind, **numbers}) for kind, numbers in EXAMPLES.items()}
+    refused = {
+        kind
+        for kind, plant in plants.items()
+        if any(simulator(name).cannot_carry(plant, Resolution()) for name in ENGINES)
+    }
+    assert refused == FINE_ALONE
 
 
 @pytest.mark.parametrize("kind", EXAMPLES)

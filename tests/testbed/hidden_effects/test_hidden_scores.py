@@ -2,7 +2,17 @@ import pytest
 from made_up_cases import SEED, every_bar_met, failed, made_up
 
 from testbed.hidden_effects.page import page_of
-from testbed.hidden_effects.scores import LOCATED_ANEW, beliefs_of, calibration, in_a_line, located, seconds, summary_of
+from testbed.hidden_effects.scores import (
+    CLASSES,
+    LOCATED_ANEW,
+    beliefs_of,
+    calibration,
+    in_a_line,
+    located,
+    seconds,
+    shares_of_engines,
+    summary_of,
+)
 from testbed.hidden_effects.sets import REPORTED
 
 *_, LATER = REPORTED.batches
@@ -215,6 +225,25 @@ def test_what_is_left_is_held_against_what_is_there_by_batch():
 
     counts = {(row["taught"], row["met"]): (row["right"], row["cases"]) for row in rows}
     assert counts == {(True, True): (3, 4), (True, False): (0, 0), (False, True): (0, 0), (False, False): (1, 1)}
+    assert [row["believed"] for row in rows] == [pytest.approx(0.97), None, None, pytest.approx(0.97)]
+
+
+def test_what_the_newest_take_on_one_thread_is_told_by_class():
+    alone = {"draw": 30.0, "diagnosis": 50.0, "threads": 1}
+    cases = [made_up("point_mass", 0, seconds=alone), made_up("point_mass", 1), failed("two", 0)]
+    summary = summary_of(cases, "reported")
+
+    rows = summary["newest"]["seconds_alone"]
+    assert rows["one effect"] == {"cases": 1, "median": 50.0}
+    assert {name for name, row in rows.items() if row["median"] is None} == {*CLASSES.values()}
+    assert "50 s (one effect, 1 cases)" in page_of(summary, {}, "testbed")
+
+
+def test_the_shares_of_the_engines_are_of_what_all_can_carry():
+    cases = [made_up("point_mass", n, engine=engine) for n, engine in enumerate(("fine", "mujoco", "exudyn", "fine"))]
+    cases.append(made_up("local_damage", 0, hidden=[{"kind": "local_damage", "position": 0.5}]))
+
+    assert shares_of_engines(cases) == {"fine": 2, "mujoco": 1, "exudyn": 1}
 
 
 def test_an_effect_that_was_added_beside_another_is_believed_and_there_or_not():
