@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from testbed.cli.app import main
+from testbed.hidden_effects.sets import BEFORE
 
 HOUSE = Path(__file__).parents[1]
 LINES = [
@@ -72,6 +73,23 @@ def test_the_other_figures_of_the_hidden_effects_are_those_of_the_results():
     missed = [bar["name"] for bar in results["bars"] if not bar["met"]]
     assert {1: "one of nine bars is missed", 2: "two of nine bars are missed"}[len(missed)] in README
     assert "**Missed bars**" in README.partition("## Known limits")[2]
+
+
+def test_its_limits_count_as_the_results_do():
+    results = json.loads((HOUSE / "results" / "hidden_effects" / "summary.json").read_text(encoding="utf-8"))
+    limits = " ".join(README.partition("## Known limits")[2].split())
+    hertz, located, since = results["numbers"]["kinds"]["hertz_contact"], results["located"], results["located_since"]
+    inside = round(hertz["count"] * hertz["inside_share"])
+    assert f"of `hertz_contact` {inside} of {hertz['count']} numbers" in limits
+    assert f"told in {located['told']} of {located['cases']} cases" in limits
+    assert f"in {since['inside']} of the newest {since['told']}" in limits
+    alone = {name: row["median"] for name, row in results["newest"]["seconds_alone"].items()}
+    assert f"on one thread {alone['nothing hidden']:.0f} s in the median where nothing is missing" in limits
+    assert f"{alone['one effect']:.0f} s with one effect" in limits
+    minutes = {round(alone[name] / 60.0) for name in ("two effects", "outside the library")}
+    assert limits.count(f"{min(minutes)} minutes with two or where none explains") == len(minutes) == 1
+    aside = sum(cases for cases, _ in BEFORE.values())
+    assert f"{aside} cases of other diagnoses are not counted" in README
 
 
 def test_what_its_commands_leave_in_the_folder_is_ignored_by_git():
