@@ -149,6 +149,7 @@ def concluded(
         candidates=candidates_of(first, chances, session.fitting, among.first, calibrated.hypothesis),
         indistinguishable=groups if verdict == "missing_effect" else (),
         stages=tuple(stages),
+        times_noise=polished.ratio,
         holdout=kept.scores,
         rig_estimates=rig_estimates(polished),
         where=tuple(error_map(record) for record in calibrated.score.records),

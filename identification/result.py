@@ -232,6 +232,7 @@ class Diagnosis:
         candidates: all that were judged in the first round, the most probable first.
         indistinguishable: groups that the records cannot tell apart.
         stages: the models in order with their errors.
+        times_noise: rms residual of the last fit on what was fitted, each line of each channel over its own noise.
         holdout: ``as given`` and ``updated`` scores on records kept aside; empty if there are none.
         rig_estimates: calibrated numbers of the rig.
         where: error maps of the calibrated model, one a time record.
@@ -253,6 +254,7 @@ class Diagnosis:
     candidates: tuple[Candidate, ...]
     indistinguishable: tuple[tuple[Effect, ...], ...]
     stages: tuple[Stage, ...]
+    times_noise: float
     holdout: Mapping[str, Score]
     rig_estimates: tuple[Estimate, ...]
     where: tuple[ErrorMap, ...]

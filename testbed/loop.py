@@ -58,15 +58,21 @@ def diagnosis_json(diagnosis: Diagnosis) -> Json:
         "effects": [_added(added) for added in diagnosis.added],
         "candidates": [_candidate(candidate) for candidate in diagnosis.candidates],
         "indistinguishable": [[identity(effect) for effect in group] for group in diagnosis.indistinguishable],
-        "error": [
-            {"model": stage.label, "nrmse": stage.score.nrmse, "noise_nrmse": stage.score.noise_nrmse}
-            for stage in diagnosis.stages
-        ],
+        "error": _errors(diagnosis),
         "holdout": _holdout(diagnosis.holdout),
         "where": _where(diagnosis),
         "next_experiment": proposal_json(diagnosis.next_experiment),
         "seconds": diagnosis.seconds,
     }
+
+
+def _errors(diagnosis: Diagnosis) -> list[Json]:
+    """How the error fell; of the last model also by how much it stands above the noise line by line."""
+    rows = [
+        {"model": stage.label, "nrmse": stage.score.nrmse, "noise_nrmse": stage.score.noise_nrmse}
+        for stage in diagnosis.stages
+    ]
+    return [*rows[:-1], rows[-1] | {"times_noise": diagnosis.times_noise}]
 
 
 def updated_rig(diagnosis: Diagnosis) -> Rig:

@@ -91,6 +91,7 @@ def made_up_diagnosis(rig, record=None, verdict="missing_effect"):
             Candidate(FRICTION, 0.02, 0.05, -9.0, refitted=True),
         ),
         indistinguishable=((PointMass(Place(position=0.95), 0.1), PointMass(Place(position=1.15), 0.1)),),
+        times_noise=1.02,
         stages=stages,
         holdout={"as given": made_up_score(record, 0.28), "updated": made_up_score(record, 0.0074)},
         rig_estimates=(Estimate("youngs_modulus", 211e9, 1e9, "Pa"),),

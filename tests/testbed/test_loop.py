@@ -65,6 +65,8 @@ def test_the_error_falls_from_model_to_model(content):
         ("calibrated", 0.24),
         ("+ squeeze_film at sleeve 2", 0.0071),
     ]
+    assert ["times_noise" in row for row in content["error"]] == [False, False, True]
+    assert content["error"][-1]["times_noise"] == 1.02
     assert content["holdout"] == {"as given": 0.28, "updated": 0.0074, "noise_nrmse": 0.007}
 
 
