@@ -11,6 +11,8 @@ from identification.diagnose import diagnose
 from identification.established import NO_LAW
 from identification.hypothesis import Hypothesis
 from identification.outcome import UNTRIED, UNTRIED_MISSED
+from identification.prepare import prepare
+from identification.scene import scenes
 from models.effects import EFFECTS, Place
 from models.effects.cubic_stiffness import CubicStiffness
 from models.effects.force_gain import ForceGain
@@ -21,6 +23,7 @@ from models.effects.sensor_position import SensorPosition
 from models.effects.sensor_swap import SensorSwap
 from models.effects.squeeze_film import SqueezeFilm
 from models.errors import DivergenceError
+from testbed.hidden_effects.outside import GrowingDamping, OneSidedStop
 
 BUILT = moved(REFERENCE, 0.5, -0.4, 0.3, 0.5, -0.5, 0.4, -0.6, 0.3, -0.2)
 """The beam as it was built, within the tolerances of its description."""
@@ -103,6 +106,36 @@ def test_a_sensor_that_hears_nothing_but_itself_is_named():
     assert (added.effect.kind, added.effect.place) == ("sensor_gain", P4)
     assert abs(added.effect.gain) < 1e-3
     assert any("P4 contradicts the other channels" in decision for decision in found.decisions)
+
+
+@pytest.mark.study
+@pytest.mark.parametrize(
+    "fault",
+    [SensorSwap(Place(sensor="P3", other="P5")), SensorGain(P4, gain=-1.0), SensorGain(P4, gain=0.0)],
+    ids=["exchanged", "upside down", "dead"],
+)
+def test_a_fault_that_the_benchmark_never_hides_is_found_before_the_whole_library(fault):
+    found = learnt_from(Hypothesis(REFERENCE, BUILT.values, effects=(fault,)), REFERENCE, rms=2.0, holdout=(7,))
+
+    assert found.verdict == "missing_effect"
+    assert [(added.effect.kind, added.effect.place) for added in found.added] == [(fault.kind, fault.place)]
+    assert found.holdout["updated"].nrmse < 1.1 * found.holdout["updated"].noise_nrmse
+
+
+@pytest.mark.study
+@pytest.mark.parametrize("law", [OneSidedStop, GrowingDamping])
+def test_a_law_that_no_kind_of_the_whole_library_is_stays_unexplained_and_is_located(law):
+    place, (record, _) = Place(position=0.95), measured(BUILT, multisine(8192, rms=4.0, low=10.0))
+    evaluator = prepare(BUILT, [record], 1, np.random.default_rng(0))
+    scene = next(iter(scenes(evaluator, BUILT, [place]).values()))
+    truth = Hypothesis(REFERENCE, BUILT.values, effects=(next(law.trials(scene)),))
+
+    found = learnt_from(truth, REFERENCE, rms=4.0, n=8192, holdout=(7,))
+
+    assert (found.verdict, found.added) == ("unexplained", ())
+    assert found.located is not None
+    low, high = found.located.interval
+    assert low <= place.position <= high
 
 
 @pytest.mark.slow
