@@ -140,7 +140,7 @@ def mode_figure(mode: ModeInDecay, scalogram: Scalogram, title: str, unit: str, 
     end = float(mode.smoothed.decay.times[-1])
     plot_scalogram(axes[0, 0], scalogram, end)
     plot_skeleton(axes[0, 1], mode, end, unit)
-    frequency, damping = mode.smoothed.natural_freq, mode.smoothed.damping_ratio
+    frequency, damping = mode.frequency, mode.damping
     plot_course(axes[1, 0], frequency, mode.skeleton.time, mode.ridge_freq, LEAST_FREQUENCY)
     plot_course(axes[1, 1], damping, mode.skeleton.time, mode.skeleton.damping_ratio, LEAST_DAMPING)
     if truth is not None:
@@ -203,14 +203,14 @@ def plot_course(ax: Axes, course: Interval, ridge_times: FloatArray, ridge: Floa
 
     Args:
         ax: to draw on.
-        course: of the smoother.
+        course: as identified.
         ridge_times: (N,) s.
         ridge: (N,).
         least: half-width of the axis at least, as a share of the value.
     """
     ax.plot(ridge_times, ridge, color=RIDGE, linewidth=0.7, alpha=0.8, label="ridge")
     ax.fill_between(course.times, course.low, course.high, color=SMOOTHER, alpha=0.25, linewidth=0.0, label="95 %")
-    ax.plot(course.times, course.value, color=SMOOTHER, linewidth=1.4, label="smoother")
+    ax.plot(course.times, course.value, color=SMOOTHER, linewidth=1.4, label="identified")
     ax.set_ylim(*_limits(course, least))
 
 
@@ -220,7 +220,7 @@ def plot_over_amplitude(ax: Axes, mode: ModeInDecay, course: Interval, least: fl
     Args:
         ax: to draw on.
         mode: in one decay.
-        course: of the smoother.
+        course: as identified.
         least: half-width of the axis at least, as a share of the value.
     """
     times = mode.smoothed.blocks.times
@@ -228,7 +228,7 @@ def plot_over_amplitude(ax: Axes, mode: ModeInDecay, course: Interval, least: fl
     order = np.argsort(amplitude)
     low, high = (np.interp(times, course.times, bound)[order] for bound in (course.low, course.high))
     ax.fill_between(amplitude[order], low, high, color=SMOOTHER, alpha=0.25, linewidth=0.0, label="95 %")
-    ax.semilogx(amplitude[order], course.at(times)[order], color=SMOOTHER, linewidth=1.4, label="smoother")
+    ax.semilogx(amplitude[order], course.at(times)[order], color=SMOOTHER, linewidth=1.4, label="identified")
     ax.set_ylim(*_limits(course, least))
 
 

@@ -178,8 +178,8 @@ def _decay_json(decay: Decay, found: Identification, decays: Decays) -> Json:
                     name: {"real": value.real, "imag": value.imag}
                     for name, value in zip(decays.channels.sensors, mode.shape, strict=True)
                 },
-                "frequency": _interval_json(mode.smoothed.natural_freq),
-                "damping": _interval_json(mode.smoothed.damping_ratio),
+                "frequency": _interval_json(mode.frequency),
+                "damping": _interval_json(mode.damping),
                 "jumps": [
                     {"time": jump.time, "std": jump.std, "probability": jump.probability}
                     for jump in mode.smoothed.decay.jumps
@@ -216,8 +216,8 @@ def _cause_json(cause: Cause) -> Json:
 
 def _dashpot_json(mode: ModeInDecay, mass: float) -> Json:
     """c(t) of an oscillator of that mass, N s/m, by the three weighted terms."""
-    course = mode.smoothed.damping_ratio
-    omega = 2.0 * np.pi * mode.smoothed.natural_freq.at(course.times)
+    course = mode.damping
+    omega = 2.0 * np.pi * mode.frequency.at(course.times)
     stiffness = mass * float(np.mean(omega)) ** 2
     value, low, high = (
         three_terms(ratio, omega, mass, stiffness).dashpot for ratio in (course.value, course.low, course.high)

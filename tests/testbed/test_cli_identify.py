@@ -50,6 +50,9 @@ def test_courses_have_intervals_and_figures_are_drawn(identified):
         for course in (mode["frequency"], mode["damping"]):
             assert all(low <= value <= high for low, value, high in zip(*map(course.get, ("low", "value", "high"))))  # noqa: B905
         assert mode["damping_depends_on"]["verdict"] == "steady"
+        for course, name in ((mode["frequency"], "natural_freq"), (mode["damping"], "damping_ratio")):
+            assert set(course["value"]) == {mode[name]}
+            assert course["high"][0] - mode[name] == pytest.approx(1.96 * mode[f"{name}_std"], rel=1e-3)
     assert {file.stem for file in (out / "figures").iterdir()} == {"modes", "mode-1", "mode-2", "mode-3", "sleeve"}
 
 
