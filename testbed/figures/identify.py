@@ -20,6 +20,9 @@ WIDEST = 4.0
 SAME_PEAK = 0.03
 """Share of a mode's frequency within which a peak of the spectrum is this mode."""
 
+LOWEST_LEVEL = -60.0
+"""dB below the largest amplitude of a map, its darkest shade."""
+
 LEAST_FREQUENCY, LEAST_DAMPING = 2e-3, 0.1
 """Half-widths of the axes at least, as shares of the values: what is steady looks so."""
 
@@ -32,13 +35,13 @@ class Scalogram:
         time: (n,) s.
         frequencies: (n_freq,) Hz.
         values: (n_freq, n) complex amplitudes.
-        ridge: (n,) Hz, the smoothest strong path through them.
+        crest: (n,) Hz, the smoothest strong path through them; nan from where it has sunk into the noise.
     """
 
     time: FloatArray
     frequencies: FloatArray
     values: ComplexArray
-    ridge: FloatArray
+    crest: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +128,7 @@ def _how_found(found: Identification, freq: float) -> tuple[str, str]:
 
 
 def mode_figure(mode: ModeInDecay, scalogram: Scalogram, title: str, unit: str, truth: Truth | None = None) -> Figure:
-    """Scalogram with the ridge, skeleton, frequency and damping over time, and both over the amplitude.
+    """Scalogram with its crest, skeleton, frequency and damping over time, and both over the amplitude.
 
     Args:
         mode: in one decay.
@@ -159,7 +162,7 @@ def mode_figure(mode: ModeInDecay, scalogram: Scalogram, title: str, unit: str, 
 
 
 def plot_scalogram(ax: Axes, scalogram: Scalogram, end: float) -> None:
-    """Magnitude of the wavelet transform in dB below its largest, with the ridge.
+    """Magnitude of the wavelet transform in dB below its largest, with its crest.
 
     Args:
         ax: to draw on.
@@ -168,10 +171,10 @@ def plot_scalogram(ax: Axes, scalogram: Scalogram, end: float) -> None:
     """
     level = 20.0 * np.log10(np.maximum(np.abs(scalogram.values) / np.abs(scalogram.values).max(), 1e-4))
     image = ax.pcolormesh(
-        scalogram.time, scalogram.frequencies, level, cmap="magma", vmin=-60.0, vmax=0.0, shading="nearest",
+        scalogram.time, scalogram.frequencies, level, cmap="magma", vmin=LOWEST_LEVEL, vmax=0.0, shading="nearest",
         rasterized=True,
     )  # fmt: skip
-    ax.plot(scalogram.time, scalogram.ridge, color="cyan", linestyle="--", linewidth=1.0, label="ridge")
+    ax.plot(scalogram.time, scalogram.crest, color="cyan", linestyle="--", linewidth=1.0, label="crest of this map")
     ax.set(xlabel="time [s]", ylabel="frequency [Hz]", xlim=(0.0, end), title="Morlet transform [dB]")
     ax.set_ylim(scalogram.frequencies.min(), scalogram.frequencies.max())
     ax.legend(fontsize=8, loc="upper right")

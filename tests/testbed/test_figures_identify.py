@@ -39,6 +39,11 @@ def test_every_panel_of_a_mode_has_a_legend(found):
     panels = [ax for ax in figure.axes if ax.get_xlabel()]
     assert len(panels) == 6
     assert all(ax.get_legend() is not None for ax in panels)
+    colours = {}
+    for line in (line for ax in panels for line in ax.get_lines()):
+        colours.setdefault(line.get_label(), set()).add(line.get_color())
+    assert all(len(drawn) == 1 for drawn in colours.values())  # one name is one curve
+    assert {"crest of this map", "ridge", "identified", "smoother"} <= set(colours)
 
 
 def test_the_table_is_drawn_over_the_modes_and_to_the_end():
