@@ -16,6 +16,8 @@ SMOOTHER, RIDGE, TRUTH = "tab:blue", "tab:orange", "black"
 WIDEST = 4.0
 """Axes show the interval's middle and this many times its spread, so that a mode's last breath does not fill them."""
 
+ROOM = 0.08
+"""Of an axis's range, beyond what is drawn."""
 
 SAME_PEAK = 0.03
 """Share of a mode's frequency within which a peak of the spectrum is this mode."""
@@ -68,17 +70,23 @@ def sleeve_figure(damping: SleeveDamping, sleeve: str) -> Figure:
     """
     figure = Figure(figsize=(8.0, 4.0), layout="constrained")
     ax = figure.subplots()
-    half = 0.5 * (damping.high - damping.low)
+    around = damping.value - damping.low, damping.high - damping.value
     ax.errorbar(
-        damping.times, damping.value, half, fmt=".", color=SMOOTHER, alpha=0.5, elinewidth=0.6, label="modes, 95 %"
+        damping.times, damping.value, around, fmt=".", color=SMOOTHER, alpha=0.5, elinewidth=0.6, label="modes, 95 %"
     )
     knots, above = damping.effect, 4  # matplotlib draws error bars above lines of the same order
-    ends = [min(damping.times[0], knots.times[0]), max(damping.times[-1], knots.times[-1])]
-    times = np.unique([*ends, *knots.times])
-    held = np.interp(times, knots.times, knots.values)
-    ax.plot(times, held, color=RIDGE, label="time_varying_damping", zorder=above)
+    for number, (begin, end) in enumerate(damping.stretches):
+        times = np.unique([begin, end, *(knot for knot in knots.times if begin < knot < end)])
+        held = np.interp(times, knots.times, knots.values)
+        label = "time_varying_damping, where it is told" if number == 0 else None
+        ax.plot(times, held, color=RIDGE, label=label, zorder=above)
     ax.plot(knots.times, knots.values, color=RIDGE, marker="o", markersize=4.0, linestyle="", zorder=above)
-    ax.set_ylim(0.0, 1.3 * float(np.max(damping.value)))
+    typical = WIDEST * float(np.median(damping.high - damping.low)) / 2.0
+    low = max(damping.low.min(), damping.value.min() - typical)
+    high = min(damping.high.max(), damping.value.max() + typical)
+    edge = ROOM * (high - low)
+    ax.set_ylim(min(low, *knots.values) - edge, max(high, *knots.values) + edge)
+    ax.ticklabel_format(axis="y", useOffset=False)
     ax.set(xlabel="time in the record [s]", ylabel="contact damping [N s/m]", title=sleeve)
     figure.legend(fontsize=8, loc="outside lower center", ncols=2)
     return figure
