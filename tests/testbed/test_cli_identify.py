@@ -56,6 +56,13 @@ def test_courses_have_intervals_and_figures_are_drawn(identified):
     assert {file.stem for file in (out / "figures").iterdir()} == {"modes", "mode-1", "mode-2", "mode-3", "sleeve"}
 
 
+def test_the_table_says_what_its_deviations_are(folder, capsys):
+    assert main(["identify", str(folder / "decay.csv"), "--band", "55", "80", "--out", str(folder / "told")]) == 0
+    told = capsys.readouterr().out
+    assert "frequency +- 1 std [Hz]" in told
+    assert "damping ratio +- 1 std [%]" in told
+
+
 def test_json_is_alone_on_standard_output(folder, capsys):
     arguments = ["identify", str(folder / "decay.csv"), "--channel", "P3", "--json", "--out", str(folder / "alone")]
     assert main(arguments) == 0
