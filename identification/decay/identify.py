@@ -15,7 +15,7 @@ from identification.decay.course import integral_of
 from identification.decay.own_scale import own_scale
 from identification.decay.poles import Poles
 from identification.decay.ridge import Skeleton, follow_mode
-from identification.decay.smoother import SmoothedMode
+from identification.decay.smoother import Interval, SmoothedMode
 from identification.progress import Progress
 from identification.signals.denoise import Denoised, denoise_ensemble, denoise_wavelet
 from identification.signals.peaks import Modes, cut_frequencies
@@ -50,8 +50,9 @@ class ModeInDecay:
         natural_freq, damping_ratio: of the pole where the mode stays; where it changes, means over the decay, each
             moment weighted by what it tells, Hz and -.
         natural_freq_std, damping_ratio_std: standard deviations of these.
+        frequency, damping: both over time, Hz and -; of a mode that stays the pole's number with the pole's interval.
         shape: (n_channels,) complex amplitudes at the decay's first sample, in the channels' units.
-        smoothed: frequency and damping over time with intervals.
+        smoothed: what the blocks tell of frequency and damping over time, free to change.
         signal: (n_seen,) the mode alone, while it is seen, in the unit of the channel in which it is strongest.
         skeleton: the same course from the wavelet ridge.
         watched_decay, watched_turning: what the causes were asked about.
@@ -61,6 +62,8 @@ class ModeInDecay:
     damping_ratio: float
     natural_freq_std: float
     damping_ratio_std: float
+    frequency: Interval
+    damping: Interval
     shape: ComplexArray
     smoothed: SmoothedMode
     signal: FloatArray
@@ -162,10 +165,12 @@ def _summed_up(decay: Decay, damping_steady: Sequence[bool], frequency_steady: S
     for m, mode in enumerate(modes):
         if frequency_steady[m]:
             freq, std = float(poles.natural_freqs[m]), float(poles.natural_freq_stds[m])
-            modes[m] = mode = replace(mode, natural_freq=freq, natural_freq_std=std)  # noqa: PLW2901
+            course = Interval.steady(mode.frequency.times, freq, std)
+            modes[m] = mode = replace(mode, natural_freq=freq, natural_freq_std=std, frequency=course)  # noqa: PLW2901
         if damping_steady[m]:
             ratio, std = float(poles.damping_ratios[m]), float(poles.damping_ratio_stds[m])
-            modes[m] = replace(mode, damping_ratio=ratio, damping_ratio_std=std)
+            course = Interval.steady(mode.damping.times, ratio, std)
+            modes[m] = replace(mode, damping_ratio=ratio, damping_ratio_std=std, damping=course)
     return replace(decay, modes=tuple(modes))
 
 
@@ -241,7 +246,8 @@ def _ridge(signal: FloatArray, fs: float, mode: SmoothedMode) -> Skeleton:
 
 def _mode(mode: SmoothedMode, signal: FloatArray, skeleton: Skeleton, shape: ComplexArray) -> ModeInDecay:
     blocks = mode.blocks
-    (freq, freq_std), (ratio, ratio_std) = mode.mean_of(mode.natural_freq), mode.mean_of(mode.damping_ratio)
+    frequency, damping = mode.natural_freq, mode.damping_ratio
+    (freq, freq_std), (ratio, ratio_std) = mode.mean_of(frequency), mode.mean_of(damping)
     log_amplitude = integral_of(mode.decay.times, mode.decay.rate, blocks.times)
     strongest = float(np.log(np.abs(blocks.shape).max()))
     scale = float(np.abs(mode.decay.rate).max())
@@ -251,6 +257,8 @@ def _mode(mode: SmoothedMode, signal: FloatArray, skeleton: Skeleton, shape: Com
         ratio,
         freq_std,
         ratio_std,
+        frequency,
+        damping,
         shape,
         mode,
         signal,

@@ -51,6 +51,12 @@ class Interval:
     low: FloatArray
     high: FloatArray
 
+    @classmethod
+    def steady(cls, times: FloatArray, value: float, std: float) -> "Interval":
+        """Of a quantity that stays, known to a standard deviation, at (n,) times, s."""
+        low, middle, high = (np.full(len(times), value + side * NORMAL_95 * std) for side in (-1.0, 0.0, 1.0))
+        return cls(times, middle, low, high)
+
     def at(self, times: FloatArray) -> FloatArray:
         """The value at (m,) times, s."""
         return np.interp(times, self.times, self.value)

@@ -51,6 +51,16 @@ def scale_of(frequency: FloatArray, fs: float, centre_frequency: float = CENTRE_
     return np.asarray(centre_frequency * fs / (2.0 * np.pi * frequency))
 
 
+def noise_of_amplitude(scale: FloatArray, noise: float) -> FloatArray:
+    """(n,) root of the mean square of what white noise adds to |W|, sums taken as integrals: 2 s^2 / (a sqrt(pi)).
+
+    Args:
+        scale: (n,) samples.
+        noise: standard deviation of a sample, in the signal's unit.
+    """
+    return np.asarray(noise * np.sqrt(2.0 / (np.sqrt(np.pi) * scale)))
+
+
 def morlet_transform(
     signals: FloatArray,
     fs: float,

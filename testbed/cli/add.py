@@ -48,7 +48,7 @@ def add(
         tell(f"adding {kind} and fitting it to {', '.join(record.name for record in inputs.records)}")
         command = ["testbed", *sys.argv[1:]]
         added = run_add(inputs, kind, settings, folder, seed=seed, jobs=jobs, command=command)
-    from testbed.cli.tables import measured, print_comparison, print_json, print_table, say
+    from testbed.cli.tables import ONE_STD, measured, print_comparison, print_json, print_table, say
 
     if as_json:
         print_json(added.comparison)
@@ -57,13 +57,13 @@ def add(
     numbers = added.comparison["added"]["parameters"].items()
     rows = [(name, measured(number), number["unit"]) for name, number in numbers]
     if rows:
-        print_table(("parameter", "value", "unit"), rows, added.effect.label())
+        print_table(("parameter", f"value {ONE_STD}", "unit"), rows, added.effect.label())
     else:
         say(f"{added.effect.label()}: {added.effect.in_words()}")
     moved = added.comparison["calibrated"].items()
     calibrated = [(name, row["given"], measured(row), row["unit"], f"{row['sigmas']:+.1f}") for name, row in moved]
     if calibrated:
-        heads = ("number of the rig", "given", "fitted", "unit", "moved by, in tolerances")
+        heads = ("number of the rig", "given", f"fitted {ONE_STD}", "unit", "moved by, in tolerances")
         print_table(heads, calibrated, "fitted along with it")
     print_comparison(added.comparison)
     say(f"written: {folder}/rig.updated.toml, compare.json and figures")

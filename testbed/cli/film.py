@@ -31,7 +31,7 @@ def film(
     out: Out = None,
     as_json: AsJson = False,
 ) -> None:
-    """Film the rig as it was driven: an animated GIF, and a GLB that any glTF viewer turns and plays."""
+    """Film the rig's model as the rig was driven: an animated GIF, and a GLB that any glTF viewer turns and plays."""
     folder = out_folder(out, of, "film.json")
     with progress() as tell:
         from testbed.film.run import Order
@@ -43,6 +43,7 @@ def film(
     if as_json:
         print_json(content)
         return
+    say(f"shows {content['shows']}")
     say(
         f"{content['first']:.4f} s to {content['last']:.4f} s, {content['slowed']:.3g} times slower than it happened; "
         f"deflections and gaps {content['magnified']:g} times as large in the GLB"

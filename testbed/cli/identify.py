@@ -67,12 +67,12 @@ def identify(
         settings = Settings(band, tuple(mode or ()), denoise, seed=seed)
         order = Order(record, rig, tuple(channel or ()), excitation, tuple(without or ()), begin, end, mass, sleeve)
         content = run_identification(order, settings, folder, progress=tell)
-    from testbed.cli.tables import measured, print_json, print_table, say
+    from testbed.cli.tables import ONE_STD, measured, print_json, print_table, say
 
     if as_json:
         print_json(content)
         return
-    heads = ("decay", "mode", "frequency [Hz]", "damping ratio [%]", "followed [s]")
+    heads = ("decay", "mode", f"frequency {ONE_STD} [Hz]", f"damping ratio {ONE_STD} [%]", "followed [s]")
     rows = [
         (
             d + 1,

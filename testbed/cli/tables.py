@@ -12,6 +12,9 @@ from testbed.outputs import json_text
 
 NOT_KNOWN = "-"
 
+ONE_STD = "+- 1 std"
+"""In the head of a column of what ``measured`` writes."""
+
 
 def print_table(columns: Sequence[str], rows: Iterable[Sequence[Any]], title: str | None = None) -> None:
     """Print rows; numbers with three digits, what is not known as a dash.
@@ -91,7 +94,7 @@ def print_diagnosis(content: Mapping[str, Any]) -> None:
         for number in _numbers(effect)
     ]
     if effects:
-        print_table(("added", "probability", "parameter", "value", "unit"), effects)
+        print_table(("added", "probability", "parameter", f"value {ONE_STD}", "unit"), effects)
     judged = [(named(row), chance_of(row["probability"]), row["nrmse"]) for row in content["candidates"][:5]]
     if judged:
         print_table(("candidate", "probability", "NRMSE"), judged, "first round, each beside the calibrated rig")

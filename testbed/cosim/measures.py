@@ -29,13 +29,19 @@ class Measures:
     """What a co-simulation comes to.
 
     Attributes:
-        lag: how old, in the mean over the run, what the twin moves with is: time minus that for which it speaks, s.
+        lag: how old, in the mean from the first exchange on, what the twin moves with is: time minus that for which it
+            speaks, s.
         aligned_lag: delay of the truth that comes closest to what was fed back, s; None where the truth hardly varies.
-        identified: rms error of the estimates, each at its own time, over the truth's rms.
-        fed_back: rms error of what the twin moved with, from the first exchange on, over the truth's rms.
+        identified: rms error of the estimates, each at its own time and all weighing alike, over the truth's rms.
+        start: damping that the twin moves with until the first exchange, N s/m.
+        first_exchange: s.
+        fed_back: rms error over time of what the twin moved with, from the first exchange on, over the truth's rms.
+        moved_with: the same over the whole run, its start included.
         identified_error: (n_exchanges,) N s/m.
-        fed_back_error: (m,) N s/m at (m,) ``fed_back_times``, s.
-        typical_error: that 95 % of all these errors, and of the intervals' half widths, do not exceed, N s/m.
+        moved_times: (m,) s, over the whole run.
+        moved_error: (m,) N s/m then, of what the twin moved with.
+        typical_error: that 95 % of the errors of what was identified and fed back, and of the intervals' half widths,
+            do not exceed, N s/m.
         coverage: share of the 95 % intervals that hold the truth.
         told, alone: NRMSE of the twin's channels with feedback and without.
         times: (n,) s, centres of the taps' periods.
@@ -49,10 +55,13 @@ class Measures:
     lag: float
     aligned_lag: float | None
     identified: float
+    start: float
+    first_exchange: float
     fed_back: float
+    moved_with: float
     identified_error: FloatArray
-    fed_back_times: FloatArray
-    fed_back_error: FloatArray
+    moved_times: FloatArray
+    moved_error: FloatArray
     typical_error: float
     coverage: float
     told: float
@@ -76,10 +85,15 @@ def measures_of(plan: Plan, run: Run) -> Measures:
     """
     got, hop = run.exchanges, plan.hop / plan.fs
     truth = plan.true_damping(got.times)
-    times = np.arange(got.acts[0], plan.n_samples / plan.fs, hop / PER_HOP)
+    first, end = float(got.acts[0]), plan.n_samples / plan.fs
+    times = np.arange(first, end, hop / PER_HOP)
     in_use = np.searchsorted(got.acts, times, side="right") - 1
     told, true = got.values[in_use], plan.true_damping(times)
-    whole, scale = np.linspace(0.0, plan.n_samples / plan.fs, TRUTH_POINTS), max(_rms(true), TINY)
+    before = np.arange(0.0, first, hop / PER_HOP)
+    missed = plan.table.own - plan.true_damping(before)
+    moved = np.concatenate([missed, told - true])
+    whole = np.linspace(0.0, end, TRUTH_POINTS)
+    scale = max(_rms(plan.true_damping(whole)), TINY)
     bins = (np.arange(len(run.power)) * hop // plan.taps.period).astype(np.int64)
     filled = bins < max(len(run.power) * hop // plan.taps.period, 1)
     bins, power, with_it, without = bins[filled], run.power[filled], run.told[filled], run.alone[filled]
@@ -88,10 +102,13 @@ def measures_of(plan: Plan, run: Run) -> Measures:
         lag=float(np.mean(times - got.times[in_use])),
         aligned_lag=_aligned(plan, times, told, float(np.median(got.stds))),
         identified=_rms(got.values - truth) / scale,
+        start=plan.table.own,
+        first_exchange=first,
         fed_back=_rms(told - true) / scale,
+        moved_with=_rms(moved) / scale,
         identified_error=got.values - truth,
-        fed_back_times=times,
-        fed_back_error=told - true,
+        moved_times=np.concatenate([before, times]),
+        moved_error=moved,
         typical_error=max(
             float(np.percentile(np.abs(e), 95.0)) for e in (got.values - truth, told - true, 2.0 * got.stds)
         ),

@@ -73,6 +73,8 @@ def _measures_json(measures: Measures, run: Run) -> Json:
         "damping_error": {
             "identified": measures.identified,
             "fed_back": measures.fed_back,
+            "fed_back_from": measures.first_exchange,
+            "moved_with": measures.moved_with,
             "coverage": measures.coverage,
             "contradicted": float(np.mean(run.exchanges.contradicted)),
         },

@@ -1,7 +1,9 @@
 """The picture of a co-simulation: the sleeve's damping, and the twin's error."""
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from testbed.cosim.lockstep import Exchanges, Run
 from testbed.cosim.measures import Measures
@@ -12,7 +14,13 @@ TRUTH, FOUND, FED_BACK, ALONE = "0.75", "#2b6cb0", "#d1491b", "0.55"
 
 
 BEYOND = 1.5
-"""The errors are drawn as far as this many times what most of them reach; a step shows larger ones."""
+"""The axis of errors runs straight up to this many times what most of them reach, and by decades to the largest."""
+
+STRAIGHT = 2.0
+"""Length of that straight part, on either side, in decades."""
+
+ROOM = 1.3
+"""Times the largest error, where its axis ends."""
 
 LEAST_ERROR = 1e-5
 """NRMSE below which twins are alike."""
@@ -35,8 +43,9 @@ def cosim_figure(plan: Plan, run: Run, measures: Measures) -> Figure:
     bottom.set_xlabel("time [s]")
     top.set_title(
         literal(
-            f"{plan.sleeve}: identified to {measures.identified:.2%}, fed back to {measures.fed_back:.2%}, "
-            f"{1e3 * measures.lag:.0f} ms late, {measures.real_time_factor:.1f} times as fast as it happens"
+            f"{plan.sleeve}: identified to {measures.identified:.2%}, fed back to {measures.fed_back:.2%} from "
+            f"{measures.first_exchange:.2g} s on, {1e3 * measures.lag:.0f} ms late, "
+            f"{measures.real_time_factor:.1f} times as fast as it happens"
         ),
         loc="left",
         fontsize=10,
@@ -55,14 +64,16 @@ def plot_damping(ax: Axes, got: Exchanges, measures: Measures) -> None:
     ax.plot(measures.truth_times, measures.truth, color=TRUTH, linewidth=2.5, label="truth")
     ax.vlines(got.times, *got.bounds.T, color=FOUND, linewidth=1.0, alpha=0.5, label="identified, 95 % interval")
     ax.plot(got.times, got.values, ".", color=FOUND, markersize=2.5)
-    ax.step(got.acts, got.values, where="post", color=FED_BACK, linewidth=0.9, label="fed back")
+    acts, values = [0.0, *got.acts, measures.truth_times[-1]], [measures.start, *got.values, got.values[-1]]
+    label = "what the twin moves with: its start, then fed back"
+    ax.step(acts, values, where="post", color=FED_BACK, linewidth=0.9, label=label)
     ax.set_ylabel("contact damping [N s/m]")
     ax.grid(color="0.93")
     ax.legend(loc="best", fontsize=8)
 
 
 def plot_errors(ax: Axes, got: Exchanges, measures: Measures) -> None:
-    """What was identified, each at the time for which it speaks, and fed back, minus the truth.
+    """What was identified, each at the time for which it speaks, and what the twin moves with, minus the truth.
 
     Args:
         ax: to draw on.
@@ -73,9 +84,18 @@ def plot_errors(ax: Axes, got: Exchanges, measures: Measures) -> None:
     ax.axhline(0.0, color=TRUTH, linewidth=0.8)
     ax.vlines(got.times, low, high, color=FOUND, linewidth=1.0, alpha=0.35)
     ax.plot(got.times, measures.identified_error, ".", color=FOUND, markersize=2.5)
-    ax.plot(measures.fed_back_times, measures.fed_back_error, color=FED_BACK, linewidth=0.9)
-    ax.set_ylim(-BEYOND * measures.typical_error, BEYOND * measures.typical_error)
-    ax.set_ylabel("minus the truth [N s/m]")
+    ax.plot(measures.moved_times, measures.moved_error, color=FED_BACK, linewidth=0.9)
+    straight = BEYOND * measures.typical_error
+    largest = max(float(np.abs(errors).max()) for errors in (low, high, measures.moved_error))
+    limit = max(straight, ROOM * largest)
+    inside = MaxNLocator(4, symmetric=True).tick_values(-straight, straight)
+    decades = 10.0 ** np.arange(np.ceil(np.log10(2.0 * straight)), np.log10(limit))
+    ax.set_yscale("symlog", linthresh=straight, linscale=STRAIGHT)
+    ax.set_yticks([*(tick for tick in inside if abs(tick) <= straight), *decades, *-decades])
+    ax.yaxis.set_major_formatter("{x:g}")
+    ax.minorticks_off()
+    ax.set_ylim(-limit, limit)
+    ax.set_ylabel(f"minus the truth [N s/m],\nby decades beyond {straight:.2g}")
     ax.grid(color="0.93")
 
 

@@ -16,9 +16,14 @@ SMOOTHER, RIDGE, TRUTH = "tab:blue", "tab:orange", "black"
 WIDEST = 4.0
 """Axes show the interval's middle and this many times its spread, so that a mode's last breath does not fill them."""
 
+ROOM = 0.08
+"""Of an axis's range, beyond what is drawn."""
 
 SAME_PEAK = 0.03
 """Share of a mode's frequency within which a peak of the spectrum is this mode."""
+
+LOWEST_LEVEL = -60.0
+"""dB below the largest amplitude of a map, its darkest shade."""
 
 LEAST_FREQUENCY, LEAST_DAMPING = 2e-3, 0.1
 """Half-widths of the axes at least, as shares of the values: what is steady looks so."""
@@ -32,13 +37,13 @@ class Scalogram:
         time: (n,) s.
         frequencies: (n_freq,) Hz.
         values: (n_freq, n) complex amplitudes.
-        ridge: (n,) Hz, the smoothest strong path through them.
+        crest: (n,) Hz, the smoothest strong path through them; nan from where it has sunk into the noise.
     """
 
     time: FloatArray
     frequencies: FloatArray
     values: ComplexArray
-    ridge: FloatArray
+    crest: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,17 +70,23 @@ def sleeve_figure(damping: SleeveDamping, sleeve: str) -> Figure:
     """
     figure = Figure(figsize=(8.0, 4.0), layout="constrained")
     ax = figure.subplots()
-    half = 0.5 * (damping.high - damping.low)
+    around = damping.value - damping.low, damping.high - damping.value
     ax.errorbar(
-        damping.times, damping.value, half, fmt=".", color=SMOOTHER, alpha=0.5, elinewidth=0.6, label="modes, 95 %"
+        damping.times, damping.value, around, fmt=".", color=SMOOTHER, alpha=0.5, elinewidth=0.6, label="modes, 95 %"
     )
     knots, above = damping.effect, 4  # matplotlib draws error bars above lines of the same order
-    ends = [min(damping.times[0], knots.times[0]), max(damping.times[-1], knots.times[-1])]
-    times = np.unique([*ends, *knots.times])
-    held = np.interp(times, knots.times, knots.values)
-    ax.plot(times, held, color=RIDGE, label="time_varying_damping", zorder=above)
+    for number, (begin, end) in enumerate(damping.stretches):
+        times = np.unique([begin, end, *(knot for knot in knots.times if begin < knot < end)])
+        held = np.interp(times, knots.times, knots.values)
+        label = "time_varying_damping, where it is told" if number == 0 else None
+        ax.plot(times, held, color=RIDGE, label=label, zorder=above)
     ax.plot(knots.times, knots.values, color=RIDGE, marker="o", markersize=4.0, linestyle="", zorder=above)
-    ax.set_ylim(0.0, 1.3 * float(np.max(damping.value)))
+    typical = WIDEST * float(np.median(damping.high - damping.low)) / 2.0
+    low = max(damping.low.min(), damping.value.min() - typical)
+    high = min(damping.high.max(), damping.value.max() + typical)
+    edge = ROOM * (high - low)
+    ax.set_ylim(min(low, *knots.values) - edge, max(high, *knots.values) + edge)
+    ax.ticklabel_format(axis="y", useOffset=False)
     ax.set(xlabel="time in the record [s]", ylabel="contact damping [N s/m]", title=sleeve)
     figure.legend(fontsize=8, loc="outside lower center", ncols=2)
     return figure
@@ -125,7 +136,7 @@ def _how_found(found: Identification, freq: float) -> tuple[str, str]:
 
 
 def mode_figure(mode: ModeInDecay, scalogram: Scalogram, title: str, unit: str, truth: Truth | None = None) -> Figure:
-    """Scalogram with the ridge, skeleton, frequency and damping over time, and both over the amplitude.
+    """Scalogram with its crest, skeleton, frequency and damping over time, and both over the amplitude.
 
     Args:
         mode: in one decay.
@@ -140,7 +151,7 @@ def mode_figure(mode: ModeInDecay, scalogram: Scalogram, title: str, unit: str, 
     end = float(mode.smoothed.decay.times[-1])
     plot_scalogram(axes[0, 0], scalogram, end)
     plot_skeleton(axes[0, 1], mode, end, unit)
-    frequency, damping = mode.smoothed.natural_freq, mode.smoothed.damping_ratio
+    frequency, damping = mode.frequency, mode.damping
     plot_course(axes[1, 0], frequency, mode.skeleton.time, mode.ridge_freq, LEAST_FREQUENCY)
     plot_course(axes[1, 1], damping, mode.skeleton.time, mode.skeleton.damping_ratio, LEAST_DAMPING)
     if truth is not None:
@@ -159,7 +170,7 @@ def mode_figure(mode: ModeInDecay, scalogram: Scalogram, title: str, unit: str, 
 
 
 def plot_scalogram(ax: Axes, scalogram: Scalogram, end: float) -> None:
-    """Magnitude of the wavelet transform in dB below its largest, with the ridge.
+    """Magnitude of the wavelet transform in dB below its largest, with its crest.
 
     Args:
         ax: to draw on.
@@ -168,10 +179,10 @@ def plot_scalogram(ax: Axes, scalogram: Scalogram, end: float) -> None:
     """
     level = 20.0 * np.log10(np.maximum(np.abs(scalogram.values) / np.abs(scalogram.values).max(), 1e-4))
     image = ax.pcolormesh(
-        scalogram.time, scalogram.frequencies, level, cmap="magma", vmin=-60.0, vmax=0.0, shading="nearest",
+        scalogram.time, scalogram.frequencies, level, cmap="magma", vmin=LOWEST_LEVEL, vmax=0.0, shading="nearest",
         rasterized=True,
     )  # fmt: skip
-    ax.plot(scalogram.time, scalogram.ridge, color="cyan", linestyle="--", linewidth=1.0, label="ridge")
+    ax.plot(scalogram.time, scalogram.crest, color="cyan", linestyle="--", linewidth=1.0, label="crest of this map")
     ax.set(xlabel="time [s]", ylabel="frequency [Hz]", xlim=(0.0, end), title="Morlet transform [dB]")
     ax.set_ylim(scalogram.frequencies.min(), scalogram.frequencies.max())
     ax.legend(fontsize=8, loc="upper right")
@@ -203,14 +214,14 @@ def plot_course(ax: Axes, course: Interval, ridge_times: FloatArray, ridge: Floa
 
     Args:
         ax: to draw on.
-        course: of the smoother.
+        course: as identified.
         ridge_times: (N,) s.
         ridge: (N,).
         least: half-width of the axis at least, as a share of the value.
     """
     ax.plot(ridge_times, ridge, color=RIDGE, linewidth=0.7, alpha=0.8, label="ridge")
     ax.fill_between(course.times, course.low, course.high, color=SMOOTHER, alpha=0.25, linewidth=0.0, label="95 %")
-    ax.plot(course.times, course.value, color=SMOOTHER, linewidth=1.4, label="smoother")
+    ax.plot(course.times, course.value, color=SMOOTHER, linewidth=1.4, label="identified")
     ax.set_ylim(*_limits(course, least))
 
 
@@ -220,7 +231,7 @@ def plot_over_amplitude(ax: Axes, mode: ModeInDecay, course: Interval, least: fl
     Args:
         ax: to draw on.
         mode: in one decay.
-        course: of the smoother.
+        course: as identified.
         least: half-width of the axis at least, as a share of the value.
     """
     times = mode.smoothed.blocks.times
@@ -228,7 +239,7 @@ def plot_over_amplitude(ax: Axes, mode: ModeInDecay, course: Interval, least: fl
     order = np.argsort(amplitude)
     low, high = (np.interp(times, course.times, bound)[order] for bound in (course.low, course.high))
     ax.fill_between(amplitude[order], low, high, color=SMOOTHER, alpha=0.25, linewidth=0.0, label="95 %")
-    ax.semilogx(amplitude[order], course.at(times)[order], color=SMOOTHER, linewidth=1.4, label="smoother")
+    ax.semilogx(amplitude[order], course.at(times)[order], color=SMOOTHER, linewidth=1.4, label="identified")
     ax.set_ylim(*_limits(course, least))
 
 

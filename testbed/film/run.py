@@ -73,7 +73,7 @@ def film(order: Order, out: Path, progress: Progress) -> dict[str, Any]:
         raise InputError(
             f"{order.rig_path.name}: structure.kind = 'oscillator'", "a film shows how a beam bends", "film a beam"
         )
-    plant, trial, name = _acted(order.path, rig, order.without)
+    plant, trial, name, driven = _acted(order.path, rig, order.without)
     simulator(order.simulator).check(plant, Resolution())
     stretch = _stretch(order, plant, trial)
     progress(f"{order.simulator}: moving the rig up to {stretch.last:.4g} s")
@@ -81,12 +81,14 @@ def film(order: Order, out: Path, progress: Progress) -> dict[str, Any]:
     magnified = order.magnified or magnification(taken.deflection, plant.structure.length)
     seconds = FRAMES / PER_SECOND
     slowed = seconds / (stretch.last - stretch.first)
+    model = f"the model of {order.rig_path.name} in {order.simulator}"
     progress(f"drawing {FRAMES} frames, {slowed:.3g} times slower than it happened")
     with staged(out) as stage:
-        _write_gif(taken, f"{name}, {order.simulator}: {slowed:.3g} times slower", stage / f"{name}.gif")
+        _write_gif(taken, f"{model}, {slowed:.3g} times slower,\nmoved by {driven}", stage / f"{name}.gif")
         (stage / f"{name}.glb").write_bytes(moving_glb(taken, FRAMES, seconds, magnified))
         content = {
             "of": order.path.name,
+            "shows": f"{model}, moved by {driven}",
             "simulator": order.simulator,
             "first": stretch.first,
             "last": stretch.last,
@@ -99,15 +101,16 @@ def film(order: Order, out: Path, progress: Progress) -> dict[str, Any]:
     return content
 
 
-def _acted(path: Path, rig: Rig, without: Sequence[str]) -> tuple[Plant, Trial, str]:
-    """What moves, what is done to it, and how the film is called."""
+def _acted(path: Path, rig: Rig, without: Sequence[str]) -> tuple[Plant, Trial, str, str]:
+    """What moves, what is done to it, how the film is called, and in words what moves the model."""
     if path.suffix == ".toml":
         experiment = read_experiment(path)
         with in_file(path.name):
             run, laboratory = runs_of(experiment, rig)[0], laboratory_of(experiment, rig)
         if run.trial.angle:
             raise InputError(f"{path.name}: excitation.angle", "a film shows the rig's plane", "leave the angle out")
-        return laboratory.plant, laboratory.trial_of(run, laboratory.dice_of(0)), run.name
+        driven = f"the excitation of {run.name} in {path.name}"
+        return laboratory.plant, laboratory.trial_of(run, laboratory.dice_of(0)), run.name, driven
     record, plant = read_record(path, rig, without=without), build_plant(rig)
     if not isinstance(record, Record) or record.excitation is None:
         raise InputError(
@@ -124,7 +127,8 @@ def _acted(path: Path, rig: Rig, without: Sequence[str]) -> tuple[Plant, Trial, 
     excitation = record.excitation
     for effect in plant.effects:
         excitation = effect.change_excitation(excitation)
-    return plant, Trial(record.fs, excitation, record.excitation_position), path.stem
+    driven = f"the excitation measured in {path.name}, not by the motion measured there"
+    return plant, Trial(record.fs, excitation, record.excitation_position), path.stem, driven
 
 
 def _stretch(order: Order, plant: Plant, trial: Trial) -> Stretch:

@@ -9,30 +9,20 @@ from identification.decay.attempt import Settings
 from identification.decay.cause import Cause
 from identification.decay.damping_terms import shares_of, three_terms
 from identification.decay.identify import Decay, Identification, ModeInDecay, identify
-from identification.decay.ridge import find_ridge
 from identification.decay.smoother import Interval
-from identification.decay.wavelet import morlet_transform
 from identification.progress import Progress
 from models.errors import InputError, in_file
 from models.rig import Rig
-from testbed.figures.identify import Scalogram, mode_figure, names_of, sleeve_figure, spectrum_figure
+from testbed.figures.identify import mode_figure, names_of, sleeve_figure, spectrum_figure
 from testbed.figures.save import save
 from testbed.history import UPDATED
 from testbed.identify.record import Decays, decays_of
+from testbed.identify.scalogram import scalogram_of
 from testbed.identify.sleeve import SleeveDamping, sleeve_damping, sleeve_findings, write_updated
 from testbed.identify.words import findings_of
 from testbed.outputs import Json, json_text, staged
 from testbed.quantities import unit_of
 from testbed.whole_rig import whole_rig
-
-SHOWN_FREQUENCIES, SHOWN_TIMES = 96, 600
-"""Lines and columns of a scalogram that is drawn."""
-
-SHOWN_BAND = 0.35
-"""Half-width of a scalogram about its mode, as a share of its frequency."""
-
-HIGHEST_SHOWN = 0.49
-"""Share of the sampling rate."""
 
 MECHANISMS = 3
 """Of damping, which as many modes at least tell apart."""
@@ -178,8 +168,8 @@ def _decay_json(decay: Decay, found: Identification, decays: Decays) -> Json:
                     name: {"real": value.real, "imag": value.imag}
                     for name, value in zip(decays.channels.sensors, mode.shape, strict=True)
                 },
-                "frequency": _interval_json(mode.smoothed.natural_freq),
-                "damping": _interval_json(mode.smoothed.damping_ratio),
+                "frequency": _interval_json(mode.frequency),
+                "damping": _interval_json(mode.damping),
                 "jumps": [
                     {"time": jump.time, "std": jump.std, "probability": jump.probability}
                     for jump in mode.smoothed.decay.jumps
@@ -216,8 +206,8 @@ def _cause_json(cause: Cause) -> Json:
 
 def _dashpot_json(mode: ModeInDecay, mass: float) -> Json:
     """c(t) of an oscillator of that mass, N s/m, by the three weighted terms."""
-    course = mode.smoothed.damping_ratio
-    omega = 2.0 * np.pi * mode.smoothed.natural_freq.at(course.times)
+    course = mode.damping
+    omega = 2.0 * np.pi * mode.frequency.at(course.times)
     stiffness = mass * float(np.mean(omega)) ** 2
     value, low, high = (
         three_terms(ratio, omega, mass, stiffness).dashpot for ratio in (course.value, course.low, course.high)
@@ -245,16 +235,7 @@ def _draw(found: Identification, decays: Decays, stage: Path) -> None:
     for d, m, name in names_of(len(found.decays), len(found.decays[0].modes)):
         decay = found.decays[d]
         mode = decay.modes[m]
-        shown = _scalogram(mode, decay.fs)
+        shown = scalogram_of(mode, decay.fs)
         which = f"decay {d + 1} from {decay.start:.3g} s, " if len(found.decays) > 1 else ""
         title = f"{decays.channels.name}: {which}mode {m + 1}, {mode.natural_freq:.4g} Hz"
         save(mode_figure(mode, shown, title, unit), folder, name)
-
-
-def _scalogram(mode: ModeInDecay, fs: float) -> Scalogram:
-    """The transform of one mode's signal about its frequency, in as many columns as are drawn."""
-    around = mode.natural_freq * np.linspace(1.0 - SHOWN_BAND, 1.0 + SHOWN_BAND, SHOWN_FREQUENCIES)
-    frequencies = around[around < HIGHEST_SHOWN * fs]
-    step = max(len(mode.signal) // SHOWN_TIMES, 1)
-    shown = morlet_transform(mode.signal, fs, frequencies)[:, ::step]
-    return Scalogram(mode.skeleton.time[::step], frequencies, shown, find_ridge(shown, frequencies))

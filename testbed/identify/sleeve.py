@@ -10,7 +10,7 @@ from identification.decay.damping_table import damping_effect
 from identification.decay.identify import Decay, Identification
 from identification.decay.sleeve_damping import DampingTable, contact_damping
 from identification.decay.smoother import SmoothedMode
-from models.arrays import FloatArray
+from models.arrays import BoolArray, FloatArray
 from models.effects import entry_of
 from models.effects.protocol import Place
 from models.effects.time_varying_damping import TimeVaryingDamping
@@ -43,6 +43,7 @@ class SleeveDamping:
         effect: the same as a table of few knots.
         most_telling: the mode that tells most of it, Hz.
         contradicted: share of the times at which no damping gives the modes their ratios.
+        stretches: begin and end of each part of the record in which it is told without a gap, s.
     """
 
     times: FloatArray
@@ -52,6 +53,7 @@ class SleeveDamping:
     effect: TimeVaryingDamping
     most_telling: float
     contradicted: float
+    stretches: tuple[tuple[float, float], ...]
 
 
 def sleeve_damping(found: Identification, rig: Rig, sleeve: str) -> SleeveDamping:
@@ -83,7 +85,21 @@ def sleeve_damping(found: Identification, rig: Rig, sleeve: str) -> SleeveDampin
     course = damping.value[known], damping.low[known], damping.high[known]
     effect = damping_effect(Place(sleeve=sleeve), at, *course)
     telling = float(freqs[damping.most_telling])
-    return SleeveDamping(at, *course, effect, telling, float(np.mean(damping.contradicted[known])))
+    contradicted = float(np.mean(damping.contradicted[known]))
+    return SleeveDamping(at, *course, effect, telling, contradicted, stretches_of(times, known))
+
+
+def stretches_of(times: FloatArray, known: BoolArray) -> tuple[tuple[float, float], ...]:
+    """Begin and end of each stretch that is known from one moment to the next, s; none reaches into another decay.
+
+    Args:
+        times: (n_decays * TIMES,) s, of one decay after the other.
+        known: (n_decays * TIMES,).
+    """
+    told = np.flatnonzero(known)
+    gaps = np.flatnonzero((np.diff(told) > 1) | (np.diff(told // TIMES) > 0))
+    begins, ends = told[np.append(0, gaps + 1)], told[np.append(gaps, len(told) - 1)]
+    return tuple(zip(times[begins].tolist(), times[ends].tolist(), strict=True))
 
 
 def _decay(decay: Decay) -> tuple[FloatArray, FloatArray, FloatArray]:

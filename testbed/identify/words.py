@@ -28,7 +28,7 @@ def cause_in_words(what: str, cause: Cause, course: Course, *, several: bool) ->
     if cause.verdict == "steady":
         return f"{what}: no change beyond its intervals"
     if cause.verdict == "irregular":
-        at = ", ".join(f"{jump.time:.4g} +- {jump.std:.2g} s" for jump in jumps)
+        at = ", ".join(f"{jump.time:.4g} +- {jump.std:.2g} s (1 std)" for jump in jumps)
         sudden = f"; it jumps at {at}" if jumps else ""
         return f"{what}: changes, and follows no simple law of amplitude or time{sudden}"
     if cause.verdict == "undecided":

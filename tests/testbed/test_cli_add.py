@@ -71,7 +71,9 @@ def test_an_effect_without_numbers_has_a_row_in_the_diagnosis(capsys):
     print_diagnosis(
         {**empty, "effects": [swap], "verdict": "missing_effect", "next_experiment": {"do": "-", "why": "-"}}
     )
-    assert "sensor_swap on P1 and P3" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert "sensor_swap on P1 and P3" in told
+    assert "value +- 1 std" in told
 
 
 @pytest.mark.parametrize(
@@ -93,7 +95,8 @@ def test_an_effect_that_does_not_fit_is_told(arguments, message, capsys):
 def test_the_numbers_are_shown_with_their_deviations(capsys):
     assert main(["add", "rig.toml", "point_mass", "--position", "0.6", "--fit", "burst.csv", "--out", "mass"]) == 0
     told = capsys.readouterr().out
-    assert "+-" in told
+    assert "value +- 1 std" in told
+    assert "fitted +- 1 std" in told
     assert "youngs_modulus" in told
 
 

@@ -38,7 +38,9 @@ def test_the_table_names_errors_lag_and_speed(capsys):
     out = capsys.readouterr().out
     for words in (
         "sleeve 2 carries 13.2 N at rest",
-        "damping as fed back",
+        "damping as identified, rms error over ",
+        "damping as fed back, rms error over time, from the first exchange at ",
+        "damping the twin moved with, rms error over the whole run, with 40 N s/m until then",
         "lag, by the age",
         "seconds of motion",
         "cosim.png",

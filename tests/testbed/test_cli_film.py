@@ -9,6 +9,7 @@ from PIL import Image
 
 from models.rig_file import read_rig
 from testbed.cli.app import main
+from testbed.figures.film import frames
 from testbed.film.glb import magnification
 from testbed.film.run import FRAMES
 
@@ -38,6 +39,22 @@ def test_a_record_is_filmed(folder, capsys):
     assert (folder / "out" / "sweep.glb").read_bytes()[:4] == b"glTF"
 
 
+def test_it_says_that_the_model_moves_and_not_what_was_measured(folder, capsys, monkeypatch):
+    titles = []
+
+    def drawn(take, n, title):
+        titles.append(title)
+        return frames(take, 2, title)
+
+    monkeypatch.setattr("testbed.film.run.frames", drawn)
+    assert film(folder, "sweep.csv", "--from", "0.1", "--to", "0.12") == 0
+    driven = "the excitation measured in sweep.csv, not by the motion measured there"
+    shows = f"the model of rig.toml in modal, moved by {driven}"
+    assert capsys.readouterr().out.splitlines()[0] == f"shows {shows}"
+    assert json.loads((folder / "out" / "film.json").read_text())["shows"] == shows
+    assert titles == [f"the model of rig.toml in modal, 400 times slower,\nmoved by {driven}"]
+
+
 def test_a_stretch_outside_of_the_record_is_refused(folder, capsys):
     assert film(folder, "sweep.csv", "--from", "5", "--to", "4") == 2
     message = capsys.readouterr().err
@@ -59,6 +76,7 @@ def test_an_experiment_is_filmed_about_its_hardest_push_and_not_out_of_its_plane
     assert film(folder, "pull.toml", "--json") == 0
     content = json.loads(capsys.readouterr().out)
     assert content["files"] == ["sweep_1.gif", "sweep_1.glb"]
+    assert content["shows"] == "the model of rig.toml in modal, moved by the excitation of sweep_1 in pull.toml"
     assert 0.0 <= content["first"] < content["last"] <= 0.5
     (folder / "turned.toml").write_text(PULL + "angle = 20.0\n")
     assert film(folder, "turned.toml") == 2

@@ -50,7 +50,17 @@ def test_courses_have_intervals_and_figures_are_drawn(identified):
         for course in (mode["frequency"], mode["damping"]):
             assert all(low <= value <= high for low, value, high in zip(*map(course.get, ("low", "value", "high"))))  # noqa: B905
         assert mode["damping_depends_on"]["verdict"] == "steady"
+        for course, name in ((mode["frequency"], "natural_freq"), (mode["damping"], "damping_ratio")):
+            assert set(course["value"]) == {mode[name]}
+            assert course["high"][0] - mode[name] == pytest.approx(1.96 * mode[f"{name}_std"], rel=1e-3)
     assert {file.stem for file in (out / "figures").iterdir()} == {"modes", "mode-1", "mode-2", "mode-3", "sleeve"}
+
+
+def test_the_table_says_what_its_deviations_are(folder, capsys):
+    assert main(["identify", str(folder / "decay.csv"), "--band", "55", "80", "--out", str(folder / "told")]) == 0
+    told = capsys.readouterr().out
+    assert "frequency +- 1 std [Hz]" in told
+    assert "damping ratio +- 1 std [%]" in told
 
 
 def test_json_is_alone_on_standard_output(folder, capsys):

@@ -40,6 +40,18 @@ def test_what_stays_is_called_steady(found):
     assert {cause.verdict for cause in (*found.damping_causes, *found.frequency_causes)} == {"steady"}
 
 
+def test_a_mode_that_stays_has_one_number_and_one_interval(found):
+    for mode in found.decays[0].modes:
+        for course, value, std in (
+            (mode.frequency, mode.natural_freq, mode.natural_freq_std),
+            (mode.damping, mode.damping_ratio, mode.damping_ratio_std),
+        ):
+            assert set(course.value) == {value}
+            np.testing.assert_allclose(course.high - value, 1.959964 * std, rtol=1e-6)
+            np.testing.assert_allclose(value - course.low, 1.959964 * std, rtol=1e-6)
+            assert len(course.times) == len(course.value)
+
+
 def test_the_ridge_stands_beside_the_smoother(found):
     for mode, freq in zip(found.decays[0].modes, np.abs(LIGHT) / 2.0 / np.pi, strict=True):
         early = mode.skeleton.time < 5.0 / freq

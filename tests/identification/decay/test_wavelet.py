@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from identification.decay.wavelet import REACH, morlet_transform, scale_of
+from identification.decay.wavelet import REACH, morlet_transform, noise_of_amplitude, scale_of
 from models.errors import InputError
 
 FS = 200.0
@@ -82,6 +82,14 @@ def test_a_predicted_decay_has_no_edges():
         errors[ends] = error.max()
     assert errors["zero"] > 0.4  # half of the wave is over the edge
     assert errors["predicted"] < 1e-3  # the prediction fades out over 16 reaches
+
+
+def test_white_noise_adds_what_is_said():
+    frequencies = np.array([7.0, 20.0, 45.0])
+    found = morlet_transform(0.5 * RNG.normal(size=(20, 4000)), FS, frequencies, ends="zero")[..., 200:-200]
+    rms = np.sqrt(np.mean(np.abs(found) ** 2, axis=(0, 2)))
+    # 20 times 18 s hold 1200 windows at 7 Hz, whose mean square is told to 3 %
+    np.testing.assert_allclose(rms, noise_of_amplitude(scale_of(frequencies, FS), 0.5), rtol=0.04)
 
 
 def test_bad_input_is_refused():

@@ -9,6 +9,7 @@ from testbed.cosim.lockstep import run_in_lockstep
 from testbed.cosim.measures import effect_of, measures_of
 from testbed.cosim.plan import Wish, plan_of
 from testbed.cosim.run import findings
+from testbed.figures.cosim import cosim_figure
 
 
 def ran(rig, **wish):
@@ -42,7 +43,8 @@ def test_what_is_fed_back_is_late_by_the_age_of_the_windows(ramp):
     assert measures.aligned_lag == pytest.approx(measures.lag, abs=0.04)
     assert plan.window / 2.0 < measures.lag < plan.taps.period + plan.window
     slope = 8.0
-    assert np.mean(measures.fed_back_error) == pytest.approx(-slope * measures.lag, abs=0.1)
+    told = measures.moved_times >= measures.first_exchange
+    assert np.mean(measures.moved_error[told]) == pytest.approx(-slope * measures.lag, abs=0.1)
 
 
 def test_an_exchange_acts_after_what_it_speaks_for(ramp):
@@ -54,11 +56,11 @@ def test_an_exchange_acts_after_what_it_speaks_for(ramp):
 
 def test_a_step_is_followed_within_two_taps(step):
     plan, _, measures = step
-    late = measures.fed_back_times > 1.5 + 2.0 * plan.taps.period
-    before = measures.fed_back_times < 1.5
-    assert np.abs(measures.fed_back_error[late | before]).max() < 4.0  # ten standard deviations, of 40
-    at = np.argmax(np.abs(measures.fed_back_error) > 20.0)
-    assert 1.5 <= measures.fed_back_times[at] < 1.6
+    late = measures.moved_times > 1.5 + 2.0 * plan.taps.period
+    before = measures.moved_times < 1.5
+    assert np.abs(measures.moved_error[late | before]).max() < 4.0  # ten standard deviations, of 40
+    at = np.argmax(np.abs(measures.moved_error) > 20.0)
+    assert 1.5 <= measures.moved_times[at] < 1.6
 
 
 def test_without_feedback_the_twin_stays_wrong(step):
@@ -79,11 +81,40 @@ def test_the_effect_has_few_knots_and_is_the_truth(ramp, step):
     assert len(effect_of(step[0], step[1].exchanges).times) == 4
 
 
-def test_a_twin_that_begins_wrong_is_put_right():
-    _, run, measures = ran(REFERENCE, seconds=2.0, start=25.0)
+@pytest.fixture(scope="module")
+def wrong():
+    return ran(REFERENCE, seconds=2.0, start=25.0)
+
+
+def test_a_twin_that_begins_wrong_is_put_right(wrong):
+    _, run, measures = wrong
     assert measures.aligned_lag is None
     assert abs(run.exchanges.values[-1] - 80.0) < 2.0
     assert measures.told_over_time[-1] < 0.01 < measures.alone_over_time[-1]
+
+
+def test_a_wrong_start_counts_over_the_whole_run_and_not_as_fed_back(wrong):
+    _, run, measures = wrong
+    first = run.exchanges.acts[0]
+    assert (measures.first_exchange, measures.start) == (first, pytest.approx(25.0))
+    assert measures.moved_times[0] == 0.0
+    # the table of modes over damping has the own one to 1e-7
+    assert np.abs(measures.moved_error[measures.moved_times < first] + 55.0).max() < 1e-5
+    assert measures.fed_back < 0.02
+    # an error of 55 in 80 for the first of 2 s, and what was fed back after it
+    expected = np.hypot(55.0 / 80.0 * np.sqrt(first / 2.0), measures.fed_back * np.sqrt(1.0 - first / 2.0))
+    assert measures.moved_with == pytest.approx(expected, rel=0.02)  # the grid of an eighth of a hop
+
+
+def test_the_picture_holds_the_start_and_the_largest_error(wrong):
+    plan, run, measures = wrong
+    top, middle, _ = cosim_figure(plan, run, measures).axes
+    (moved,) = (line for line in top.get_lines() if str(line.get_label()).startswith("what the twin moves with"))
+    assert (moved.get_xdata()[0], moved.get_ydata()[0]) == (0.0, pytest.approx(25.0))
+    assert top.get_ylim()[0] < 25.0
+    low, high = middle.get_ylim()
+    assert low < measures.moved_error.min() < measures.moved_error.max() < high
+    assert low < (run.exchanges.bounds - 80.0).min() < (run.exchanges.bounds - 80.0).max() < high
 
 
 def test_the_seed_makes_the_noise():
