@@ -1,8 +1,10 @@
 """From fits to what a person reads: candidates, intervals, groups that cannot be told apart."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import exp, hypot, inf, isfinite, log, sqrt
+
+import numpy as np
 
 from identification.evaluate import Evaluator
 from identification.evidence import Ranked, misfit_in_common, probabilities
@@ -10,7 +12,7 @@ from identification.fit import Fit
 from identification.hypothesis import EffectUnknown, Hypothesis, PlaceUnknown, RigUnknown
 from identification.reached import LINEAR_APART, NOISE_REACHED
 from identification.result import AddedEffect, Candidate, Estimate, Score
-from identification.scene import is_same_place
+from identification.scene import is_same_place, valley
 from models.effects import Effect
 from models.rig import Rig
 
@@ -124,9 +126,53 @@ def added_effects(result: Fit, rounds: Sequence[Sequence[Ranked]], among: Tried)
     for index, effect in enumerate(result.hypothesis.effects):
         ranked = rounds[index]
         is_later = ranked[0].fit is not rounds[0][0].fit  # parts of one effect have the round of that
-        chance = probabilities([r.log_evidence for r in ranked])[0] * (among.later if is_later else among.first)
-        rows.append(AddedEffect(effect, chance, effect_estimates(result, index)))
+        chances = probabilities([r.log_evidence for r in ranked])
+        numbers = effect_estimates(result, index)
+        if any(number.name == "position" for number in numbers):
+            numbers = across_its_valley(numbers, effect, undecided(ranked, chances), result.hypothesis.rig)
+        rows.append(AddedEffect(effect, chances[0] * (among.later if is_later else among.first), numbers))
     return tuple(rows)
+
+
+def across_its_valley(
+    numbers: Sequence[Estimate], effect: Effect, rivals: Sequence[tuple[Ranked, float]], rig: Rig
+) -> tuple[Estimate, ...]:
+    """The numbers of an effect, known no better than rivals of its kind lie apart that end beside it on the beam.
+
+    A valley so flat that fits from several starts stop at several places of it has no bottom whose curvature would tell
+    how far it reaches. The variance is that of the mixture: of each fit about the number told, by its probability.
+
+    Args:
+        numbers: of the effect, its position among them.
+        effect: as it stands.
+        rivals: rows of its round that the records do not exclude, the row that it comes from first, with their
+            probabilities.
+        rig: whose length says how far a valley reaches.
+    """
+    here, reach = effect.place.position or 0.0, valley(rig)
+    near = [
+        (row, chance)
+        for row, chance in rivals[1:]
+        if row.refitted
+        and row.effect.kind == effect.kind
+        and row.effect.has_options_of(effect)
+        and abs((row.effect.place.position or 0.0) - here) < reach
+    ]
+    if not near:
+        return tuple(numbers)
+    whole = rivals[0][1] + sum(chance for _, chance in near)
+    return tuple(_spread(number, [(row.effect, chance / whole) for row, chance in near]) for number in numbers)
+
+
+def _spread(number: Estimate, rivals: Sequence[tuple[Effect, float]]) -> Estimate:
+    """A number with the deviation that holds where rivals of its effect have it, by their shares."""
+    value, variance = np.array(number.value), np.array(number.std) ** 2
+    for effect, share in rivals:
+        there = np.array(effect.place.position if number.name == "position" else getattr(effect, number.name))
+        if there.shape == value.shape:  # a table in more detail has no such number
+            variance = variance + share * (there - value) ** 2
+    std = np.sqrt(variance)
+    return replace(number, std=tuple(std.tolist()) if std.ndim else float(std))
 
 
 def candidates_of(

@@ -135,6 +135,20 @@ def test_an_added_effect_has_the_probability_of_its_own_round():
     assert (second.effect, second.probability) == (MASS, pytest.approx(0.9))  # the rest is for what was not judged
 
 
+@pytest.mark.parametrize(("there", "mass", "held"), [(0.78, 0.36, True), (1.3, 0.36, False)])
+def test_a_place_is_known_no_better_than_fits_of_its_valley_lie_apart(there, mass, held):
+    rival = replace(MASS, place=Place(position=there), mass=mass)
+    rounds = [[ranked(MASS, 0.0), ranked(rival, -np.log(3.0)), ranked(DAMPING, -np.log(3.0))]]
+
+    (added,) = added_effects(effect_fit(MASS, std=1e-3), rounds, Tried(0.97, 0.9))
+
+    alone = {e.name: e.std for e in effect_estimates(effect_fit(MASS, std=1e-3), 0)}
+    apart = {"position": there - 0.7, "mass": mass - 0.3}
+    for number in added.estimates:
+        wider = 0.5 * apart[number.name] if held else 0.0  # a quarter of what is of its kind lies there
+        assert number.std == pytest.approx(np.hypot(alone[number.name], wider))
+
+
 def test_parts_of_one_effect_are_as_probable_as_it_is():
     one = [ranked(GAIN, 0.0)]
 
