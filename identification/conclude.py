@@ -162,6 +162,7 @@ def concluded(
         seconds=perf_counter() - began,
         seed=seed,
         findings=(
+            *session.untried,
             *(f for t in session.everything.timed for f in t.record.findings),
             *(f"{t.record.name}: {AT_REST_ONLY}" for t in session.everything.at_rest),
             *wholly_off(stages[0].score),

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from math import inf
 from time import perf_counter
 
 import numpy as np
@@ -60,6 +61,9 @@ MOST_ROUNDS = 5
 FIT_SECONDS = 16.0
 """Of records that are used for refits."""
 
+ONCE_MORE = "a search in pieces of the records, as far as they can be begun there,"
+"""What follows where a first search explains nothing, or not the rest of the records."""
+
 
 def diagnose(
     rig: Rig,
@@ -71,6 +75,7 @@ def diagnose(
     registry: Registry = EFFECTS,
     most_effects: int = MOST_EFFECTS,
     alike: bool = False,
+    within: float = inf,
     progress: Progress = silent,
 ) -> Diagnosis:
     """Find what a rig file lacks to explain its records.
@@ -88,6 +93,8 @@ def diagnose(
         registry: kinds of effects to consider.
         most_effects: added at most; one in all sleeves counts once.
         alike: whether the same may be wrong with all sleeves, so that what sits in one is tried in all of them at once.
+        within: seconds after which no further search is begun: what stands then is concluded, and what was not begun
+            is a finding.
         progress: told in words what is done and decided.
 
     Raises:
@@ -98,6 +105,7 @@ def diagnose(
     given = Hypothesis(rig, registry=registry)
     kinds = {**registry, **(in_all_sleeves(registry, rig) if alike else {})}
     session = _open(given, kinds, records, seed, jobs, progress)
+    session.until = began + within
     started = with_starts(session.everything, given)
     stages = [session.stage("as given", started)]
     for told in wholly_off(stages[0].score):
@@ -108,7 +116,8 @@ def diagnose(
     chain: list[Fit] = [carried_by_calibrated(session, base)]
     search = partial(_searched, session, given, holdout, stages, most_effects)
     found = search(chain)
-    if (found.verdict == "unexplained" or fails_in_pieces(session, found.final)) and go_on(session, found.chain[0]):
+    in_doubt_of_the_rest = found.verdict == "unexplained" or fails_in_pieces(session, found.final)
+    if in_doubt_of_the_rest and session.has_time_for(ONCE_MORE) and go_on(session, found.chain[0]):
         session.decide("looking again with the rest of the records, in pieces")
         found = _looked_again(session, search, stages, found)
     calibration = one_set_of_numbers(session, found.chain[0], found.verdict)
@@ -140,11 +149,11 @@ def _searched(
 ) -> _Found:
     """Effects added for as long as one explains more, each held against all others, and the verdict."""
     rounds: list[list[Ranked]] = []
-    for _ in range(MOST_ROUNDS):
+    for number in range(MOST_ROUNDS):
         if is_enough(session, chain[-1]) and session.lengthen(chain[-1]):
             ended = session.to_the_end(chain[-1])
             chain, rounds = everything_again(session, [*chain[:-1], ended], rounds, ended=ended)
-        if len(chain[-1].hypothesis.effects) >= most_effects or is_explained(session, chain[-1]):
+        if _is_over(session, chain[-1], most_effects, is_begun=number > 0):
             break
         chain, rounds, ranked, better = _looked(session, chain, rounds)
         if better is not None and not chain[-1].hypothesis.effects:
@@ -177,6 +186,13 @@ def _searched(
             calibrated = kept_aside(session, given, last.hypothesis, holdout)
             kept = replace(calibrated, missed=calibrated.missed or kept.missed)
     return _Found(chain, rounds, verdict, final, last, kept)
+
+
+def _is_over(session: Session, last: Fit, most_effects: int, *, is_begun: bool) -> bool:
+    """Whether no further effect is looked for: none may be added, none is needed, or there is no time for it."""
+    if len(last.hypothesis.effects) >= most_effects or is_explained(session, last):
+        return True
+    return is_begun and not session.has_time_for("a search for a further effect")
 
 
 def _looked_again(

@@ -3,6 +3,7 @@
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf, sqrt
+from time import perf_counter
 
 import numpy as np
 
@@ -70,6 +71,8 @@ class Session:
         relearnt: whether the noise was lowered on the way.
         pieces: of records past where they can be followed from their start, which are fitted beside the beginnings.
         is_passing: whether what is left of the fitted part was found to be an event that passes.
+        until: by ``perf_counter``, s, when nothing more is begun.
+        untried: what was not begun for want of time, in words.
     """
 
     everything: Evaluator
@@ -82,6 +85,8 @@ class Session:
     relearnt: bool = False
     is_passing: bool = False
     pieces: tuple[Piece, ...] = ()
+    until: float = inf
+    untried: list[str] = field(default_factory=list)
     _ended: LastAnswer[Fit] = field(default_factory=LastAnswer)
     _out: LastAnswer[bool] = field(default_factory=LastAnswer)
     _carried: LastAnswer[Evaluator] = field(default_factory=LastAnswer)
@@ -110,6 +115,18 @@ class Session:
         return self._held.about(
             self.everything, hypothesis, ask=lambda: self.everything.residuals([(hypothesis, None)])[0] is not None
         )
+
+    def has_time_for(self, step: str) -> bool:
+        """Whether another step may begin; one that may not is told.
+
+        Args:
+            step: what would be done, in words.
+        """
+        if perf_counter() < self.until:
+            return True
+        self.untried.append(f"the time given is over: {step} was not begun")
+        self.decide(self.untried[-1])
+        return False
 
     def decide(self, text: str) -> None:
         """Keep and tell a decision."""

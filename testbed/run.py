@@ -4,6 +4,7 @@ import json
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 
 from identification.progress import Progress
@@ -42,6 +43,7 @@ def run_diagnosis(
     command: Sequence[str],
     progress: Progress,
     alike: bool = False,
+    within: float | None = None,
 ) -> Outcome:
     """Diagnose and write everything into a folder, unless it holds the same run already.
 
@@ -54,13 +56,14 @@ def run_diagnosis(
         command: as typed, for the history and the report.
         progress: told what is being done.
         alike: whether the same may be wrong with all sleeves.
+        within: minutes after which no further search is begun.
 
     Raises:
         InputError: records that do not fit the rig or do not tell their noise, a folder that cannot be written, or a
             history in it that is damaged.
         ArithmeticError: the given rig's motion leaves the finite numbers.
     """
-    wanted = {**inputs.digests, "seed": seed, "alike": alike}
+    wanted = {**inputs.digests, "seed": seed, "alike": alike, **({} if within is None else {"within": within})}
     if not again and is_finished(out, wanted):
         progress(f"{out}: this rig, these records, seed and version were diagnosed before; kept (--again repeats it)")
         return Outcome(json.loads((out / DIAGNOSIS).read_text(encoding="utf-8")), out, kept=True)
@@ -92,9 +95,9 @@ def _diagnose(inputs: Inputs, out: Path, wanted: Json, *, jobs: int, command: st
     from identification.diagnose import diagnose
     from testbed.report import provenance, write_report
 
-    seed, alike = wanted["seed"], wanted["alike"]
+    seed, alike, within = wanted["seed"], wanted["alike"], 60.0 * wanted.get("within", inf)
     diagnosis = diagnose(
-        inputs.rig, inputs.records, inputs.holdout, seed=seed, jobs=jobs, alike=alike, progress=progress
+        inputs.rig, inputs.records, inputs.holdout, seed=seed, jobs=jobs, alike=alike, within=within, progress=progress
     )
     content = diagnosis_json(diagnosis)
     content["where"]["findings"] += [f for f in inputs.findings if f not in content["where"]["findings"]]

@@ -60,6 +60,8 @@ def next_experiment(
     for ranked, chances in rounds if verdict == "missing_effect" else ():
         rivals = rivals_of(ranked, chances)
         if len(rivals) > 1:
+            if not session.has_time_for("weighing tests that tell the suspects apart"):
+                break
             session.progress(
                 f"weighing tests that could tell {' from '.join(rival.effect.label() for rival in rivals)}"
             )

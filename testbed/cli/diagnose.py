@@ -21,6 +21,13 @@ Holdout = Annotated[
 Alike = Annotated[
     bool, typer.Option("--alike", help="The same may be wrong with all sleeves: try it in all of them at once too.")
 ]
+Within = Annotated[
+    float | None,
+    typer.Option(
+        "--within", metavar="MINUTES", min=0.0,
+        help="Begin no further search after so many minutes; what stands then is concluded.", show_default=False,
+    ),
+]  # fmt: skip
 Again = Annotated[bool, typer.Option("--again", help="Repeat a run whose results are there already.")]
 
 
@@ -38,13 +45,14 @@ def diagnose(
     seed: Seed = 0,
     jobs: Jobs = 2,
     alike: Alike = False,
+    within: Within = None,
     again: Again = False,
     as_json: AsJson = False,
 ) -> None:
     """Find what the rig lacks, add it, refit, until the noise: diagnosis.json, rig.updated.toml, report.html."""
     diagnose_files(
         rig, records, holdout or [], out_folder(out, rig), without or [], seed=seed, jobs=jobs, again=again,
-        as_json=as_json, alike=alike,
+        as_json=as_json, alike=alike, within=within,
     )  # fmt: skip
 
 
@@ -60,6 +68,7 @@ def diagnose_files(
     again: bool,
     as_json: bool,
     alike: bool = False,
+    within: float | None = None,
 ) -> dict[str, Any]:
     """Run the loop and print what it found; shared with ``demo``, which holds it against the truth."""
     with progress() as tell:
@@ -73,7 +82,7 @@ def diagnose_files(
             tell(f"and {more} more findings on the files, told with the result; testbed check shows them at once")
         command = ["testbed", *sys.argv[1:]]
         outcome = run_diagnosis(
-            inputs, out, seed=seed, jobs=jobs, again=again, command=command, progress=tell, alike=alike
+            inputs, out, seed=seed, jobs=jobs, again=again, command=command, progress=tell, alike=alike, within=within
         )
     from testbed.cli.tables import print_diagnosis, print_json, say
 

@@ -20,9 +20,10 @@ class Loop:
     """Stands for the diagnosis and the report, and remembers what they were asked."""
 
     def __init__(self):
-        self.calls, self.provenance, self.broken = [], None, False
+        self.calls, self.provenance, self.broken, self.within = [], None, False, None
 
-    def diagnose(self, rig, records, holdout=(), *, seed=0, jobs=2, alike=False, progress=print):
+    def diagnose(self, rig, records, holdout=(), *, seed=0, jobs=2, alike=False, within=None, progress=print):
+        self.within = within
         self.calls.append(([r.name for r in records], [r.name for r in holdout], seed, jobs))
         progress("screening")
         return made_up_diagnosis(rig, records[0])
@@ -118,11 +119,20 @@ def test_a_change_of_any_input_or_output_diagnoses_again(folder, loop, change):
     assert len(loop.calls) == 2
 
 
-@pytest.mark.parametrize("option", [("--seed", "1"), ("--holdout", "burst.csv"), ("--without", "P1"), ("--alike",)])
+@pytest.mark.parametrize(
+    "option", [("--seed", "1"), ("--holdout", "burst.csv"), ("--without", "P1"), ("--alike",), ("--within", "2")]
+)
 def test_another_question_is_another_run(folder, loop, option):
     diagnose()
     diagnose(*option)
     assert len(loop.calls) == 2
+
+
+def test_minutes_are_given_to_the_search_and_none_where_none_are_asked_for(folder, loop):
+    diagnose()
+    assert loop.within == np.inf
+    diagnose("--within", "2.5")
+    assert loop.within == 150.0
 
 
 def test_more_threads_are_the_same_question(folder, loop):

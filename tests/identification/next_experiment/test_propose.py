@@ -151,6 +151,12 @@ def test_a_group_is_told_apart_by_a_weighed_test():
     assert "do not tell" in told.why
     assert told.present_probability < told.best.expected_probability
 
+    late = session_of(evaluator)
+    late.until = 0.0
+    unweighed = next_experiment(late, "missing_effect", [(ranked, chances)], ranked[0].fit.hypothesis)
+    assert (unweighed.options, unweighed.rivals) == ((), ())
+    assert late.untried == ["the time given is over: weighing tests that tell the suspects apart was not begun"]
+
 
 GAIN = SensorGain(Place(sensor="top"), gain=1.1)
 
