@@ -46,6 +46,7 @@ from identification.result import Diagnosis, Stage, Verdict
 from identification.rounds import look_round, told_apart, with_other_starts
 from identification.session import Session
 from identification.sight import beginnings_of, explained_beginning, refitted_from, shorten
+from identification.silent import without_silent
 from identification.together import wholly_off
 from identification.told_by_all import told_by_all
 from identification.unstrained import unstrained
@@ -98,10 +99,11 @@ def diagnose(
         progress: told in words what is done and decided.
 
     Raises:
-        InputError: a record that does not fit the rig, or does not tell its noise.
+        InputError: a record that does not fit the rig, in which no channel moves, or that does not tell its noise.
         ArithmeticError: the given rig's motion leaves the finite numbers.
     """
     began = perf_counter()
+    records, holdout = ([without_silent(record) for record in each] for each in (records, holdout))
     given = Hypothesis(rig, registry=registry)
     kinds = {**registry, **(in_all_sleeves(registry, rig) if alike else {})}
     session = _open(given, kinds, records, seed, jobs, progress)

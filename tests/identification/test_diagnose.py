@@ -22,7 +22,7 @@ from models.effects.sensor_gain import SensorGain
 from models.effects.sensor_position import SensorPosition
 from models.effects.sensor_swap import SensorSwap
 from models.effects.squeeze_film import SqueezeFilm
-from models.errors import DivergenceError
+from models.errors import DivergenceError, InputError
 from testbed.hidden_effects.outside import GrowingDamping, OneSidedStop
 
 BUILT = moved(REFERENCE, 0.5, -0.4, 0.3, 0.5, -0.5, 0.4, -0.6, 0.3, -0.2)
@@ -111,8 +111,8 @@ def test_a_sensor_that_hears_nothing_but_itself_is_named():
 @pytest.mark.study
 @pytest.mark.parametrize(
     "fault",
-    [SensorSwap(Place(sensor="P3", other="P5")), SensorGain(P4, gain=-1.0), SensorGain(P4, gain=0.0)],
-    ids=["exchanged", "upside down", "dead"],
+    [SensorSwap(Place(sensor="P3", other="P5")), SensorGain(P4, gain=-1.0)],
+    ids=["exchanged", "upside down"],
 )
 def test_a_fault_that_the_benchmark_never_hides_is_found_before_the_whole_library(fault):
     found = learnt_from(Hypothesis(REFERENCE, BUILT.values, effects=(fault,)), REFERENCE, rms=2.0, holdout=(7,))
@@ -190,6 +190,20 @@ def test_a_force_that_is_reversed_or_in_another_unit_is_found_and_told(gain):
     assert added.effect.gain == pytest.approx(gain, rel=0.01)
     assert found.holdout["updated"].nrmse < 1.2 * found.holdout["updated"].noise_nrmse
     assert any("loud: all 8 channels are" in finding for finding in found.all_findings)
+
+
+def test_a_channel_that_reads_one_value_is_left_out_and_told():
+    record, _ = measured(BUILT, multisine(2048, rms=2.0, low=10.0), name="multisine")
+    dead = record.responses.copy()
+    dead[record.sensors.index("P4")] = 0.3
+
+    found = diagnose(REFERENCE, [replace(record, responses=dead)], registry=few("point_mass"), jobs=1)
+
+    assert found.verdict == "complete"
+    assert found.findings[0] == "multisine: channel P4 is dead; left out"
+    assert "P4" not in found.final.score.of("multisine").record.sensors
+    with pytest.raises(InputError, match="every channel reads one value throughout"):
+        diagnose(REFERENCE, [replace(record, responses=np.ones_like(dead))], jobs=1)
 
 
 def test_what_the_library_lacks_is_called_unexplained():
