@@ -23,7 +23,7 @@ from models.effects.sensor_position import SensorPosition
 from models.effects.sensor_swap import SensorSwap
 from models.effects.squeeze_film import SqueezeFilm
 from models.errors import DivergenceError, InputError
-from testbed.hidden_effects.outside import GrowingDamping, OneSidedStop
+from testbed.hidden_effects.outside import GrowingDamping
 
 BUILT = moved(REFERENCE, 0.5, -0.4, 0.3, 0.5, -0.5, 0.4, -0.6, 0.3, -0.2)
 """The beam as it was built, within the tolerances of its description."""
@@ -123,14 +123,13 @@ def test_a_fault_that_the_benchmark_never_hides_is_found_before_the_whole_librar
 
 
 @pytest.mark.study
-@pytest.mark.parametrize("law", [OneSidedStop, GrowingDamping])
-def test_a_law_that_no_kind_of_the_whole_library_is_stays_unexplained_and_is_located(law):
-    place, (record, _) = Place(position=0.95), measured(BUILT, multisine(8192, rms=4.0, low=10.0))
+def test_a_law_that_no_kind_of_the_whole_library_is_stays_unexplained_and_is_located():
+    place, (record, _) = Place(position=0.95), measured(BUILT, multisine(4096, rms=4.0, low=10.0))
     evaluator = prepare(BUILT, [record], 1, np.random.default_rng(0))
     scene = next(iter(scenes(evaluator, BUILT, [place]).values()))
-    truth = Hypothesis(REFERENCE, BUILT.values, effects=(next(law.trials(scene)),))
+    truth = Hypothesis(REFERENCE, BUILT.values, effects=(next(GrowingDamping.trials(scene)),))
 
-    found = learnt_from(truth, REFERENCE, rms=4.0, n=8192, holdout=(7,))
+    found = learnt_from(truth, REFERENCE, rms=4.0, holdout=(7,))
 
     assert (found.verdict, found.added) == ("unexplained", ())
     assert found.located is not None
