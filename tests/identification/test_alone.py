@@ -78,6 +78,7 @@ def test_what_was_never_fitted_to_all_replaces_nothing(monkeypatch):
         assert (less and less.fit.hypothesis.effects[-1].kind) == kind
 
 
+@pytest.mark.study
 def test_two_that_are_needed_stay():
     session = beam_session(MASS, GAIN)
 

@@ -137,7 +137,7 @@ def test_a_law_that_no_kind_of_the_whole_library_is_stays_unexplained_and_is_loc
     assert low <= place.position <= high
 
 
-@pytest.mark.slow
+@pytest.mark.study
 def test_two_effects_are_found_one_after_the_other():
     film, gain = SqueezeFilm(Place(sleeve="sleeve 2"), damping=15.0), SensorGain(P4, gain=0.9)
     truth = Hypothesis(REFERENCE, BUILT.values, effects=(film, gain))

@@ -135,6 +135,7 @@ def test_a_table_in_time_is_told_value_by_value():
     assert ended.hypothesis.effects[0].values == pytest.approx(COURSE.values, rel=0.02)
 
 
+@pytest.mark.study
 def test_a_table_too_coarse_for_what_comes_later_gets_more_values():
     session, part = part_of_course(1.0, replace(COURSE, times=COURSE.times[::2], values=(12.0, 22.0, 0.03)))
     assert part.ratio == pytest.approx(1.0, abs=0.1)
