@@ -160,8 +160,8 @@ def page_of(summary: Json, explained: Mapping[str, str], command: str) -> str:
 
 
 def _newest(summary: Json) -> list[str]:
-    """The figures of the newest batches, where the set has more than one."""
-    if len(summary["batches"]) == 1:
+    """The figures of the newest batches, where they are not all."""
+    if _are_all_newest(summary):
         return []
     told = f"Seeds {', '.join(str(seed) for seed in summary['newest']['seeds'])}:"
     newest = summary["newest"]
@@ -176,6 +176,11 @@ def _newest(summary: Json) -> list[str]:
         *_alike(newest),
         "",
     ]
+
+
+def _are_all_newest(summary: Json) -> bool:
+    """Whether the newest batches that are enough are all that have cases."""
+    return len(summary["newest"]["seeds"]) == len(list(_batches_there(summary)))
 
 
 def _alike(reached: Json) -> Iterator[str]:
@@ -341,7 +346,7 @@ def _seconds(summary: Json) -> Iterator[str]:
 def _engines(summary: Json) -> Iterator[str]:
     """By whom the truth was moved, where it could have been any."""
     counted = {"all": summary["shares_of_engines"]}
-    if len(summary["batches"]) > 1:
+    if not _are_all_newest(summary):
         counted["the newest"] = summary["newest"]["shares_of_engines"]
     for which, counts in counted.items():
         total = sum(counts.values())

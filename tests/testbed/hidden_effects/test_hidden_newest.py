@@ -1,6 +1,8 @@
 from made_up_cases import made_up
 
 from testbed.hidden_effects.newest import newest_of
+from testbed.hidden_effects.page import page_of
+from testbed.hidden_effects.scores import summary_of
 from testbed.hidden_effects.sets import Batch
 
 FIRST, SECOND, LAST = 11497, 15101, 18121
@@ -39,3 +41,10 @@ def test_enough_cases_with_too_few_of_nothing_hidden_are_not_enough():
 def test_all_are_told_where_there_never_are_enough():
     cases = cases_of(FIRST, 10, 30) + cases_of(LAST, 2, 3)
     assert len(newest_of(cases, BATCHES)) == len(cases)
+
+
+def test_the_page_tells_the_newest_apart_where_they_are_not_all():
+    told = "## The newest batches"
+    page = page_of(summary_of(cases_of(FIRST, 1, 1) + cases_of(LAST, 50, 150), "reported"), {}, "testbed")
+    assert f"Seeds {LAST}:" in page.partition(told)[2]
+    assert told not in page_of(summary_of(cases_of(FIRST, 1, 1) + cases_of(LAST, 2, 3), "reported"), {}, "testbed")
