@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from models.errors import InputError
-from models.record import AnyRecord, Record
+from models.record import AnyRecord, Record, is_dead
 
 
 def without_silent(record: AnyRecord) -> AnyRecord:
@@ -19,7 +19,7 @@ def without_silent(record: AnyRecord) -> AnyRecord:
     """
     if not isinstance(record, Record):
         return record
-    heard = np.ptp(record.responses, axis=1) > 0.0
+    heard = np.array([not is_dead(samples) for samples in record.responses])
     if heard.all():
         return record
     if not heard.any():

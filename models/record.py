@@ -57,6 +57,19 @@ class Record:
         return np.arange(self.n_samples) / self.fs
 
 
+def is_dead(samples: FloatArray) -> bool:
+    """Whether a channel is constant, to rounding.
+
+    Args:
+        samples: (N,) in any unit.
+    """
+    return bool(np.ptp(samples) <= max(1e-12 * np.abs(samples).max(), LEAST_VARIATION))
+
+
+LEAST_VARIATION = 1e-30
+"""In any unit: nothing that lives varies by less."""
+
+
 @dataclass(frozen=True, eq=False)
 class FrfRecord:
     """Measured frequency response functions from one excitation point.

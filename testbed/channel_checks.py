@@ -1,9 +1,9 @@
 """What a spectrum asks of a record's channels, told before one is computed."""
 
 from models.errors import InputError
+from models.record import is_dead
 from models.rig import Rig
 from testbed.channels import Channels
-from testbed.records.samples import is_dead
 
 FEWEST_SAMPLES = 256
 """Eight parts of 32 samples, whose spectra have 16 lines."""

@@ -8,14 +8,14 @@ import numpy as np
 
 from models.arrays import FloatArray
 from models.errors import InputError
-from models.record import Record
+from models.record import Record, is_dead
 from models.rig import Rig, quantities_of
 from testbed.records.dying import undying
 from testbed.records.formats import read_file
 from testbed.records.matching import not_left_out
 from testbed.records.read import read_record
 from testbed.records.recording import RawChannel, Recording
-from testbed.records.samples import checked, is_dead
+from testbed.records.samples import checked
 from testbed.records.time_base import sampling_rate
 from testbed.records.units import Measured, quantity_of, si_factor
 

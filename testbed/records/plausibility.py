@@ -7,8 +7,8 @@ import numpy as np
 from identification.evaluate import WITHOUT_ZERO
 from models.arrays import FloatArray
 from models.beam.clamped_free import clamped_free_modes
+from models.record import is_dead
 from models.rig import Beam, Rig
-from testbed.records.samples import is_dead
 from testbed.records.units import SI_UNITS
 
 FAR_OUTSIDE = 30.0

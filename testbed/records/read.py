@@ -10,7 +10,7 @@ import numpy as np
 from models.arrays import FloatArray
 from models.beam.clamped_free import wave_numbers
 from models.errors import InputError
-from models.record import AnyRecord, FrfRecord, ModeShapeRecord, Record
+from models.record import AnyRecord, FrfRecord, ModeShapeRecord, Record, is_dead
 from models.rig import Rig
 from models.structure import Structure
 from testbed.records.dying import undying
@@ -20,7 +20,7 @@ from testbed.records.matching import Matched, check_left_out, match
 from testbed.records.odd_units import odd_units
 from testbed.records.plausibility import Fault, find_faults, own_zeros
 from testbed.records.recording import AnyRecording, FrfRecording, RawChannel, Recording
-from testbed.records.samples import checked, is_dead
+from testbed.records.samples import checked
 from testbed.records.start import starts_moving
 from testbed.records.time_base import sampling_rate
 from testbed.records.units import Measured, si_factor

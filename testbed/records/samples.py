@@ -4,9 +4,10 @@ import numpy as np
 
 from models.arrays import AnyArray, FloatArray
 from models.errors import InputError
+from models.record import is_dead
 
-LARGEST, SMALLEST = 1e30, 1e-30
-"""In any unit: nothing measures more, and a channel that varies by less is dead."""
+LARGEST = 1e30
+"""In any unit: nothing measures more."""
 
 CLIPPED_RUN, CLIPPED_RUNS = 3, 2
 """At least so many runs of at least so many samples exactly at the extremes."""
@@ -52,11 +53,6 @@ def checked(data: AnyArray, where: str) -> FloatArray:
             "measure again with a lower gain or level, or leave a sensor out with --without",
         )
     return samples
-
-
-def is_dead(samples: FloatArray) -> bool:
-    """Constant, to rounding."""
-    return bool(np.ptp(samples) <= max(1e-12 * np.abs(samples).max(), SMALLEST))
 
 
 def first_clipped(samples: FloatArray) -> int | None:

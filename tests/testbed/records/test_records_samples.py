@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 from a_rig_and_its_records import noise
 
-from testbed.records.samples import first_clipped, is_dead
+from models.record import is_dead
+from testbed.records.samples import first_clipped
 
 T = np.arange(4000) / 2000.0
 SLOW = np.sin(2 * np.pi * 3.0 * T)
