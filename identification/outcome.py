@@ -9,7 +9,7 @@ import numpy as np
 from identification.evaluate import Evaluator
 from identification.evidence import Ranked, misfit_in_common, probabilities
 from identification.fit import Fit
-from identification.hypothesis import EffectUnknown, Hypothesis, PlaceUnknown, RigUnknown
+from identification.hypothesis import EffectUnknown, Hypothesis, PlaceUnknown, RigUnknown, free_place
 from identification.reached import LINEAR_APART, NOISE_REACHED
 from identification.result import AddedEffect, Candidate, Estimate, Score
 from identification.scene import is_same_place, valley
@@ -149,19 +149,25 @@ def across_its_valley(
             probabilities.
         rig: whose length says how far a valley reaches.
     """
-    here, reach = effect.place.position or 0.0, valley(rig)
-    near = [
-        (row, chance)
-        for row, chance in rivals[1:]
-        if row.refitted
-        and row.effect.kind == effect.kind
-        and row.effect.has_options_of(effect)
-        and abs((row.effect.place.position or 0.0) - here) < reach
-    ]
+    near = [(row, chance) for row, chance in rivals[1:] if row.refitted and in_one_valley(row.effect, effect, rig)]
     if not near:
         return tuple(numbers)
     whole = rivals[0][1] + sum(chance for _, chance in near)
     return tuple(_spread(number, [(row.effect, chance / whole) for row, chance in near]) for number in numbers)
+
+
+def in_one_valley(one: Effect, other: Effect, rig: Rig) -> bool:
+    """Whether two effects are one whose place along the beam a fit may move from here to there.
+
+    Args:
+        one: effect.
+        other: the other one.
+        rig: whose length says how far a valley reaches.
+    """
+    here, there = one.place.position, other.place.position
+    if here is None or there is None or not (free_place(one) or free_place(other)):
+        return False
+    return one.kind == other.kind and one.has_options_of(other) and abs(here - there) < valley(rig)
 
 
 def _spread(number: Estimate, rivals: Sequence[tuple[Effect, float]]) -> Estimate:

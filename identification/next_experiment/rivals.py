@@ -8,7 +8,7 @@ import numpy as np
 from identification.evidence import Ranked, misfit_in_common
 from identification.fit import NOT_TOLD, Fit, prior_of
 from identification.hypothesis import Hypothesis, Unknown, at_coordinates, coordinates
-from identification.outcome import undecided
+from identification.outcome import in_one_valley, undecided
 from models.arrays import FloatArray
 from models.effects import Effect
 
@@ -48,15 +48,30 @@ class Rival:
 def rivals_of(ranked: Sequence[Ranked], chances: Sequence[float]) -> tuple[Rival, ...]:
     """The rows of a round that its records do not exclude, the most probable first; what was only sketched is none.
 
+    An effect that sits here or a little farther along the beam is one whose place is not told: no test would find two.
+
     Args:
         ranked: of the round, the best first.
         chances: probabilities of its rows.
     """
     doubtful = [pair for pair in undecided(ranked, chances) if pair[0].refitted]
-    if len(doubtful) < 2:
+    apart: list[tuple[Ranked, float]] = []
+    for row, chance in sorted(doubtful, key=lambda pair: -pair[1]):
+        one = next((i for i, (other, _) in enumerate(apart) if _is_one(row, other)), None)
+        if one is None:
+            apart.append((row, chance))
+        else:
+            apart[one] = apart[one][0], apart[one][1] + chance
+    if len(apart) < 2:
         return ()
-    likeliest = sorted(doubtful, key=lambda pair: -pair[1])[:MOST_RIVALS]
+    likeliest = sorted(apart, key=lambda pair: -pair[1])[:MOST_RIVALS]
     return tuple(_rival(row, chance, misfit_in_common(ranked)) for row, chance in likeliest)
+
+
+def _is_one(row: Ranked, other: Ranked) -> bool:
+    """Whether a fit may come from one to the other."""
+    one, two = row.effect, other.effect
+    return in_one_valley(one, two, row.fit.hypothesis.rig) and not one.is_variant_of(two)
 
 
 def _rival(row: Ranked, chance: float, scale: float) -> Rival:
