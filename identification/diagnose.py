@@ -23,6 +23,7 @@ from identification.acceptance import (
 from identification.alone import one_alone
 from identification.anew import looked_for_anew
 from identification.assess import with_starts
+from identification.beyond import is_beyond_library
 from identification.calibrate import calibrate, strained, unknowns_of
 from identification.carried import carried_by_best, carried_by_calibrated, excused
 from identification.conclude import concluded, one_set_of_numbers, settled
@@ -344,7 +345,7 @@ def _ended(
         if doubted is None:
             exchange = _ahead(session, chain[0], final, rounds, out, predicts)
             if exchange is None or not _exchanged_for(session, stages, final, *exchange):
-                if is_of_one_law(session, last):
+                if is_of_one_law(session, last) or is_beyond_library(session, chain[0], final):
                     return "unexplained", chain[0], settled(session, chain[0])
                 return verdict, final, last
             index, other = exchange

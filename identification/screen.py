@@ -73,6 +73,23 @@ class Projection:
         factor = -size_of if best < 0 and two_sided else size_of if best > 0 else LEAST_FACTOR
         return float(-2.0 * factor * along - factor**2 * size), factor
 
+    def gain_of_all(self, changes: FloatArray) -> float:
+        """Decrease of chi-square for the best sum of changes of the response, each proportional to its factor.
+
+        Args:
+            changes: (m, n_data) in units of the noise.
+        """
+        shared = self.rows @ changes.T
+        along = changes @ self.residual - shared.T @ self.pull
+        size = changes @ changes.T - shared.T @ self.inverse @ shared
+        own = np.sqrt(np.maximum(np.diag(size), 0.0))
+        kept = own**2 > LEAST_SHARE * np.sum(changes**2, axis=1)
+        if not kept.any():
+            return 0.0
+        scale = np.where(kept, own, 1.0)
+        scaled, slope = (size / np.outer(scale, scale))[np.ix_(kept, kept)], (along / scale)[kept]
+        return float(slope @ np.linalg.pinv(scaled, rcond=LEAST_SHARE, hermitian=True) @ slope)
+
 
 LEAST_SHARE = 1e-6
 """A change of which a smaller share is its own cannot be told from the rig's numbers."""

@@ -1,0 +1,317 @@
+"""Laws more general than any kind of effect: curves over speed and displacement, and a force that remembers.
+
+None of them is a cause that an engineer could name, so none enters ``EFFECTS``. One that explains the records clearly
+better than the kind that was found says that the law is another. Curves are straight between their knots, as in the
+surfaces of S. F. Masri, T. K. Caughey, J. Appl. Mech. 46 (1979) 433, here fitted to what is measured, with all other
+numbers of the rig.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from math import copysign, pi, tanh
+from typing import ClassVar, Self
+
+from models.effects.protocol import Effect, Family, PlaceKind, Scene, StructureKind, parameter
+from models.ports import Contact, PointLaw
+from models.structure import Structure
+
+
+@dataclass(frozen=True)
+class GeneralLaw(Effect):
+    """A point law along the beam, or on an oscillator; the subclass says which."""
+
+    family: ClassVar[Family] = "point force"
+    places: ClassVar[tuple[PlaceKind, ...]] = ("position",)
+    structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
+
+    @classmethod
+    def pieces(cls, scene: Scene) -> Iterator[Self]:
+        """Small forces of which any law of this kind is nearly a sum.
+
+        Args:
+            scene: the motion at the place.
+        """
+        raise NotImplementedError
+
+    @staticmethod
+    def law(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:
+        """Force on the structure, N."""
+        raise NotImplementedError
+
+    def numbers(self) -> tuple[float, ...]:
+        """What the law is called with."""
+        raise NotImplementedError
+
+    def point_laws(self, contact: Contact | None, structure: Structure) -> tuple[PointLaw, ...]:  # noqa: ARG002
+        """The law at its place."""
+        return (PointLaw(self.port(contact), self.law, self.numbers(), getattr(self, "rate", None), self.label()),)
+
+
+@dataclass(frozen=True)
+class _Curve(GeneralLaw):
+    """A law whose force is a curve of values at knots, times a force; the subclass says over what.
+
+    Attributes:
+        force: at a value of 1, N.
+        values: at the knots.
+    """
+
+    shapes: ClassVar[tuple[tuple[float, ...], ...]]
+
+    force: float = parameter("F", "N", fitted=False)
+    values: tuple[float, ...] = parameter("f_i", "-", scale="linear", spread=1.0, neutral=0.0, table=True, step=0.03)
+
+    @classmethod
+    def with_values(cls, scene: Scene, values: Sequence[float]) -> Self:
+        """The curve through values, laid over the motion at a place.
+
+        Args:
+            scene: the motion.
+            values: at the knots.
+        """
+        raise NotImplementedError
+
+    @classmethod
+    def trials(cls, scene: Scene) -> Iterator[Self]:
+        """Every shape, at 3 and 30 % of the excitation."""
+        for share in SHARES:
+            for shape in cls.shapes:
+                yield cls.with_values(scene, [share * value for value in shape])
+
+    @classmethod
+    def pieces(cls, scene: Scene) -> Iterator[Self]:
+        """One knot after the other."""
+        n = len(cls.shapes[0])
+        for knot in range(n):
+            yield cls.with_values(scene, [SHARES[0] if i == knot else 0.0 for i in range(n)])
+
+
+SHARES = (0.03, 0.3)
+"""Of the excitation's rms."""
+
+
+@dataclass(frozen=True)
+class SpeedCurve(_Curve):
+    """A resistance that is any function of the speed, the same both ways."""
+
+    kind: ClassVar[str] = "resistance over speed"
+    source: ClassVar[str] = "S. F. Masri, T. K. Caughey, J. Appl. Mech. 46 (1979) 433"
+    shapes: ClassVar[tuple[tuple[float, ...], ...]] = (
+        (1.0, 1.0, 1.0, 1.0, 1.0),
+        (0.03, 0.1, 0.3, 1.0, 3.0),
+        (0.2, 0.3, 0.55, 1.0, 1.7),
+        (0.5, 1.0, 0.7, 0.3, 0.1),
+    )
+
+    speed: float = parameter("v_1", "m/s", fitted=False, default=1.0)
+
+    @classmethod
+    def with_values(cls, scene: Scene, values: Sequence[float]) -> Self:
+        """Over the rms speed."""
+        return cls(scene.place, scene.force, tuple(values), scene.velocity)
+
+    def numbers(self) -> tuple[float, ...]:
+        """Force, speed and values."""
+        return (self.force, self.speed, *self.values)
+
+    @staticmethod
+    def law(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004
+        """N, with p = (force, speed, values at ``SPEEDS``); constant beyond the last."""
+        s, below, before = abs(v) / p[1], 0.0, 0.0
+        for i in range(5):
+            if s < SPEEDS[i]:
+                before += (p[2 + i] - before) * (s - below) / (SPEEDS[i] - below)
+                break
+            below, before = SPEEDS[i], p[2 + i]
+        return -copysign(1.0, v) * p[0] * before
+
+    def in_words(self) -> str:
+        """What it does."""
+        return "a resistance that changes with the speed in its own way"
+
+
+SPEEDS = (0.03, 0.1, 0.3, 1.0, 3.0)
+"""Knots of a curve over the speed, in rms speeds."""
+
+
+@dataclass(frozen=True)
+class SpringCurve(_Curve):
+    """A spring whose force is any function of the displacement from rest, another on either side."""
+
+    kind: ClassVar[str] = "force over displacement"
+    source: ClassVar[str] = "S. F. Masri, T. K. Caughey, J. Appl. Mech. 46 (1979) 433"
+    shapes: ClassVar[tuple[tuple[float, ...], ...]] = (
+        (0.2, 0.5, 1.0, 0.2, 0.5, 1.0),
+        (0.01, 0.12, 1.0, 0.01, 0.12, 1.0),
+        (0.5, 0.9, 1.0, 0.5, 0.9, 1.0),
+        (0.01, 0.2, 1.0, 0.01, 0.01, 0.01),
+        (0.01, 0.01, 0.01, 0.01, 0.2, 1.0),
+    )
+
+    reach: float = parameter("d", "m", fitted=False, default=1.0)
+    rest: float = parameter("q_0", "m", scale="linear", fitted=False, default=0.0)
+
+    @classmethod
+    def with_values(cls, scene: Scene, values: Sequence[float]) -> Self:
+        """Over the largest displacement from rest."""
+        return cls(scene.place, scene.force, tuple(values), scene.displacement, scene.rest)
+
+    def numbers(self) -> tuple[float, ...]:
+        """Force, reach, rest and values."""
+        return (self.force, self.reach, self.rest, *self.values)
+
+    @staticmethod
+    def law(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004
+        """N, with p = (force, reach, rest, values above rest at ``REACHES``, below); straight on beyond the last."""
+        u = (q - p[2]) / p[1]
+        first = 3 if u > 0.0 else 6
+        s, below, before, force = abs(u), 0.0, 0.0, 0.0
+        for i in range(3):
+            slope = (p[first + i] - before) / (REACHES[i] - below)
+            force = before + slope * (s - below)
+            if s < REACHES[i]:
+                break
+            below, before = REACHES[i], p[first + i]
+        return -copysign(1.0, u) * p[0] * force
+
+    def in_words(self) -> str:
+        """What it does."""
+        return "a spring with a curve of its own"
+
+
+REACHES = (0.2, 0.5, 1.0)
+"""Knots of a curve over the displacement, in largest displacements."""
+
+
+@dataclass(frozen=True)
+class DampingCurve(_Curve):
+    """A dashpot whose damping is any function of the displacement."""
+
+    kind: ClassVar[str] = "damping over displacement"
+    source: ClassVar[str] = "S. F. Masri, T. K. Caughey, J. Appl. Mech. 46 (1979) 433"
+    shapes: ClassVar[tuple[tuple[float, ...], ...]] = (
+        (1.0, 1.0, 1.0, 1.0, 1.0),
+        (1.0, 0.25, 0.03, 0.25, 1.0),
+        (0.1, 0.5, 1.0, 0.5, 0.1),
+    )
+
+    reach: float = parameter("d", "m", fitted=False, default=1.0)
+    rest: float = parameter("q_0", "m", scale="linear", fitted=False, default=0.0)
+    speed: float = parameter("v_1", "m/s", fitted=False, default=1.0)
+
+    @classmethod
+    def with_values(cls, scene: Scene, values: Sequence[float]) -> Self:
+        """Over the largest displacement from rest, the force that of the rms speed."""
+        return cls(scene.place, scene.force, tuple(values), scene.displacement, scene.rest, scene.velocity)
+
+    def numbers(self) -> tuple[float, ...]:
+        """Force at 1 m/s, reach, rest and values."""
+        return (self.force / self.speed, self.reach, self.rest, *self.values)
+
+    @staticmethod
+    def law(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004
+        """N, with p = (force at 1 m/s, reach, rest, values from below to above); constant beyond the ends."""
+        s = min(max(2.0 * (q - p[2]) / p[1] + 2.0, 0.0), 4.0)
+        i = min(int(s), 3)
+        return -p[0] * v * (p[3 + i] + (p[4 + i] - p[3 + i]) * (s - i))
+
+    def in_words(self) -> str:
+        """What it does."""
+        return "a damping that changes with the displacement"
+
+
+@dataclass(frozen=True)
+class FrictionCurve(_Curve):
+    """Dry friction whose force is any function of the displacement."""
+
+    kind: ClassVar[str] = "friction over displacement"
+    source: ClassVar[str] = "E. J. Berger, Appl. Mech. Rev. 55 (2002) 535, section 2: friction that depends on place"
+    shapes: ClassVar[tuple[tuple[float, ...], ...]] = (
+        (1.0, 1.0, 1.0, 1.0, 1.0),
+        (1.0, 0.5, 0.03, 0.5, 1.0),
+        (0.03, 0.1, 1.0, 0.1, 0.03),
+        (0.03, 0.03, 0.1, 1.0, 0.1),
+        (0.1, 1.0, 0.1, 0.03, 0.03),
+    )
+
+    reach: float = parameter("d", "m", fitted=False, default=1.0)
+    rest: float = parameter("q_0", "m", scale="linear", fitted=False, default=0.0)
+    slip_velocity: float = parameter("v_s", "m/s", lower=1e-9, default=1.0)
+
+    @classmethod
+    def with_values(cls, scene: Scene, values: Sequence[float]) -> Self:
+        """Over the largest displacement from rest, slipping at a tenth of the rms speed."""
+        return cls(scene.place, scene.force, tuple(values), scene.displacement, scene.rest, 0.1 * scene.velocity)
+
+    def numbers(self) -> tuple[float, ...]:
+        """Force, reach, rest, slip velocity and values."""
+        return (self.force, self.reach, self.rest, self.slip_velocity, *self.values)
+
+    @staticmethod
+    def law(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004
+        """N, with p = (force, reach, rest, slip velocity, values from below to above); constant beyond the ends."""
+        s = min(max(2.0 * (q - p[2]) / p[1] + 2.0, 0.0), 4.0)
+        i = min(int(s), 3)
+        return -p[0] * tanh(v / p[3]) * (p[4 + i] + (p[5 + i] - p[4 + i]) * (s - i))
+
+    def in_words(self) -> str:
+        """What it does."""
+        return "a friction that changes with the displacement"
+
+
+@dataclass(frozen=True)
+class Memory(GeneralLaw):
+    """F = -stiffness z, dz/dt = v - z / relaxation_time: the simplest force that depends on what was before."""
+
+    kind: ClassVar[str] = "force with a memory"
+    source: ClassVar[str] = "J. D. Ferry, Viscoelastic Properties of Polymers (1980), chapter 1: a spring that creeps"
+
+    stiffness: float = parameter("k", "N/m", lower=0.0, neutral=0.0)
+    relaxation_time: float = parameter("tau", "s", lower=1e-6)
+
+    @classmethod
+    def trials(cls, scene: Scene) -> Iterator[Self]:
+        """3 and 30 % of the excitation at the largest displacement, from fast to slow."""
+        for share in SHARES:
+            for time in cls._times(scene):
+                yield cls(scene.place, share * scene.force / scene.displacement, time)
+
+    @classmethod
+    def pieces(cls, scene: Scene) -> Iterator[Self]:
+        """Weak ones, from fast to slow."""
+        for trial in cls.trials(scene):
+            yield replace(trial, stiffness=SHARES[0] * scene.force / scene.displacement)
+
+    @classmethod
+    def _times(cls, scene: Scene) -> list[float]:
+        """A third of a radian of the third mode's motion to three of the first's, s."""
+        freqs = scene.natural_freqs[:3] or (1.0 / scene.duration,)
+        slow, fast = 3.0 / (2.0 * pi * freqs[0]), 1.0 / (3.0 * 2.0 * pi * freqs[-1])
+        return [fast * (slow / fast) ** (i / (N_TIMES - 1)) for i in range(N_TIMES)]
+
+    @staticmethod
+    def law(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004
+        """Force, N, with p = (stiffness, relaxation_time)."""
+        return -p[0] * z
+
+    @staticmethod
+    def rate(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004
+        """dz/dt, m/s, with p = (stiffness, relaxation_time)."""
+        return v - z / p[1]
+
+    def numbers(self) -> tuple[float, ...]:
+        """Stiffness and time."""
+        return (self.stiffness, self.relaxation_time)
+
+    def in_words(self) -> str:
+        """What it does."""
+        return f"a spring whose force fades within {1e3 * self.relaxation_time:.3g} ms, neither spring nor dashpot"
+
+
+N_TIMES = 5
+"""Relaxation times that are tried."""
+
+GENERAL_LAWS: dict[str, type[GeneralLaw]] = {
+    kind.kind: kind for kind in (SpeedCurve, SpringCurve, DampingCurve, FrictionCurve, Memory)
+}
+"""Name -> class."""
