@@ -22,7 +22,7 @@ from identification.exchange import fit_at
 from identification.fit import Fit
 from identification.hypothesis import Hypothesis, free_place
 from identification.in_its_place import begun_at_leader, judged_beside, without_last
-from identification.reached import NOISE_NEAR
+from identification.noise_left import NOISE_NEAR
 from identification.scene import scenes
 from identification.screen import Projection
 from identification.session import Session
