@@ -8,6 +8,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import inf
 
+import numpy as np
+
 from identification.calibrate import WINDOWS, Windows, beginning, calibrate, concerning
 from identification.evaluate import Evaluator
 from identification.evidence import (
@@ -27,7 +29,7 @@ from identification.pieces import fit_from_own_starts
 from identification.progress import Progress, silent
 from identification.scene import is_same_place, sleeves_of, valley
 from identification.screen import Suspect, promising, survey
-from identification.sketch import TOLERANCE
+from identification.sketch import TOLERANCE, is_alike
 from models.effects import Effect, Place, Registry
 from models.rig import Beam
 
@@ -292,8 +294,12 @@ FOR_A_PLACE = 15.0
 
 
 def settled_apart(fitting: Evaluator, ranked: list[Ranked], progress: Progress) -> list[Ranked]:
-    """The ranking with those fitted to the end that the refits' tolerance cannot tell from the first."""
+    """The ranking with those fitted to the end that the refits' tolerance cannot tell from the first.
+
+    Of those that came to the same numbers at the same place one is left.
+    """
     within = 0.5 * REFIT_TOLERANCE * ranked[0].fit.cost / misfit_in_common(ranked) if ranked else 0.0
+    ranked = [row for n, row in enumerate(ranked) if not any(_have_met(row, better) for better in ranked[:n])]
     close = [row for row in ranked if row.refitted and row.log_evidence > ranked[0].log_evidence - within]
     if not close[1:]:
         return ranked
@@ -301,6 +307,18 @@ def settled_apart(fitting: Evaluator, ranked: list[Ranked], progress: Progress) 
     fits = [fit(fitting, row.fit.hypothesis, row.fit.unknowns, tolerance=0.0, precise=True) for row in close]
     rows = [replace(row, fit=f, effect=f.hypothesis.effects[-1]) for row, f in zip(close, fits, strict=True)]
     return reweighed(ranked, [*rows, *(row for row in ranked if row.refitted and row not in close)])
+
+
+def _have_met(row: Ranked, better: Ranked) -> bool:
+    """Whether two fits of one kind have come to one point of one valley."""
+    if not (row.refitted and better.refitted and is_alike(row.fit, better.fit)):
+        return False
+    here, there = row.effect.fitted_values(), better.effect.fitted_values()
+    return len(here) == len(there) and bool(np.allclose(here, there, rtol=MET, atol=0.0))
+
+
+MET = 0.01
+"""Relative difference of all numbers of two fits that have come to one point."""
 
 
 def refit(evaluator: Evaluator, base: Fit, begun: Hypothesis) -> Fit | None:

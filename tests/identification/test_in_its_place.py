@@ -12,7 +12,7 @@ from identification.evidence import Ranked
 from identification.fit import fit
 from identification.hypothesis import LARGEST_SIGMA, Hypothesis, effect_unknowns, rig_unknowns
 from identification.in_all_sleeves import in_all_sleeves
-from identification.in_its_place import EXPLAINED, against, with_others_there
+from identification.in_its_place import EXPLAINED, against, settled_apart, with_others_there
 from models.effects import EFFECTS, Place
 from models.effects.absorber import Absorber
 from models.effects.axial_load import AxialLoad
@@ -182,3 +182,15 @@ def test_what_a_sleeve_needs_a_number_at_the_end_of_its_tolerance_for_is_tried_a
     assert rows[0].effect.label() == "contact_stiffness at sleeve 2"
     assert rows[0].effect.ratio == pytest.approx(ratio, rel=0.02)
     assert not strained(rows[0].fit)
+
+
+@pytest.mark.parametrize(("mass", "n_left"), [(0.1003, 1), (0.15, 2)])
+def test_of_fits_that_have_met_one_is_left(mass, n_left):
+    session = beam_session(PointMass(at(0.86), mass=0.1))
+    best = Ranked.of(found_with(session, PointMass(at(0.86), mass=0.1)))
+    other = replace(best, effect=replace(best.effect, mass=mass), log_evidence=-0.1)
+
+    rows = settled_apart(session.fitting, [best, other], lambda _: None)
+
+    assert len(rows) == n_left
+    assert rows[0].effect.mass == pytest.approx(0.1, rel=0.01)
