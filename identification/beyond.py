@@ -23,6 +23,7 @@ from identification.fit import Fit
 from identification.hypothesis import Hypothesis, free_place
 from identification.in_its_place import begun_at_leader, judged_beside, without_last
 from identification.noise_left import NOISE_NEAR
+from identification.reached import NOISE_REACHED
 from identification.scene import scenes
 from identification.screen import Projection
 from identification.session import Session
@@ -75,7 +76,8 @@ def is_beyond_library(session: Session, calibrated: Fit, final: Fit) -> bool:
 def law_beyond(session: Session, calibrated: Fit, final: Fit) -> Beyond | None:
     """A general law that explains the records better than an effect, fitted as far, or as well as two; or None.
 
-    Far from the noise, as on real structures, all models miss, and a curve of several numbers is always nearer.
+    Far from the noise, as on real structures, all models miss, and a curve of several numbers is always nearer: there
+    nothing is asked, and what does not reach the noise itself is no such law.
 
     Args:
         session: with the records.
@@ -112,7 +114,7 @@ def _in_place_of(session: Session, calibrated: Fit, model: Hypothesis, index: in
     stood = next(row for row in rows if row.effect.kind == effect.kind)
     by = rows[0].log_evidence - stood.log_evidence
     session.progress(f"{rows[0].effect.label()} against {stood.effect.label()}: odds of e^{by:.1f}")
-    return Beyond(effect.label(), stood.fit, rows[0]) if by >= LEAST_EVIDENCE else None
+    return Beyond(effect.label(), stood.fit, rows[0]) if by >= LEAST_EVIDENCE and _explains_all(rows[0]) else None
 
 
 def _in_place_of_two(session: Session, calibrated: Fit, final: Fit, kept: int, other: int) -> Beyond | None:
@@ -134,7 +136,8 @@ def _in_place_of_two(session: Session, calibrated: Fit, final: Fit, kept: int, o
         return None
     numbers = _n_numbers(effects[kept]) + _n_numbers(effects[other])
     general = takewhile(lambda row: row.effect.kind in GENERAL_LAWS, rows)
-    row = next((row for row in general if _n_numbers(row.effect) < numbers and comes_as_near(row.fit, final)), None)
+    fewer = (row for row in general if _n_numbers(row.effect) < numbers and _explains_all(row))
+    row = next((row for row in fewer if comes_as_near(row.fit, final)), None)
     return None if row is None else Beyond(f"{effects[kept].label()} with {effects[other].label()}", final, row)
 
 
@@ -158,6 +161,11 @@ def _weighed(session: Session, calibrated: Fit, leader: Fit, least: float) -> li
     leader = replace(leader, hypothesis=without_last(leader.hypothesis).with_effects(effect))
     rows = judged_beside(leader, session.fitting, base, (), kinds, session.progress)
     return rows if rows[0].effect.kind in kinds else []
+
+
+def _explains_all(row: Ranked) -> bool:
+    """Whether a general law leaves the noise alone, as the right one does; nearer to what all models miss is no law."""
+    return row.fit.ratio <= NOISE_REACHED
 
 
 def _n_numbers(effect: Effect) -> int:
