@@ -14,6 +14,7 @@ from testbed.hidden_effects.scores import (
     LOCATED_ANEW,
     ONE,
     STAGES,
+    TAUGHT_UNTIL,
     beliefs_of,
 )
 from testbed.hidden_effects.sets import BEFORE, FEW, MANY, MOST, REPORTED, SETS, Batch
@@ -71,10 +72,10 @@ It was so in the first batches: since then a share of every probability is kept 
 since then are told apart from those before. Up to seed 21911 it was 3% of all; since then it is {UNTRIED_BEYOND:.0%}
 where the model that stands leaves more than {NOISE_REACHED:g} times the noise, and {UNTRIED_MISSED:.0%} where what was
 learnt does not hold on the record held out, from seed 37703 on unless other numbers do. Of the others 3% was kept up to
-seed 40993, and {UNTRIED:.0%} from then on: as many as were wrong. Of an effect that was added beside another no more
-was kept up to seed {LATER_TAUGHT_UNTIL}, which agrees with the last table where the noise is reached, and not where it
-is not, by five effects of four cases; since then {UNTRIED_LATER:.0%} and {UNTRIED_LATER_BEYOND:.0%} are kept of such an
-effect.
+seed {TAUGHT_UNTIL}, and {UNTRIED:.0%} from then on: as many as were wrong. Of an effect that was added beside another
+no more was kept up to seed {LATER_TAUGHT_UNTIL}, which agrees with the last table where the noise is reached, and not
+where it is not, by five effects of four cases; since then {UNTRIED_LATER:.0%} and {UNTRIED_LATER_BEYOND:.0%} are kept
+of such an effect.
 """
 
 FARTHEST = f"""\
