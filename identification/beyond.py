@@ -1,27 +1,28 @@
 """Whether a law more general than any of the library explains the records better in a found effect's place.
 
 The best kind of the library is found wherever the library holds none that is right, and may come near the noise: a
-spring whose force relaxes is nearly a hysteresis, or an absorber of an odd mass. So an effect that acts at a place is
-held against laws that hold many others within them, at the same place, with all other numbers free: a force over speed,
-over displacement, with a memory (``models.general_laws``). Where one of them wins as clearly as an effect has to, the
-law is none of the library's. First a linear step tells whether any of them could.
+spring whose force relaxes is nearly a hysteresis, or an absorber of an odd mass. So an effect of a kind that may act
+anywhere along the beam is held against laws that hold many others within them, at the same place, with all other
+numbers free: a force over speed, over displacement, with a memory (``models.general_laws``). Where one of them wins as
+clearly as an effect has to, over every kind of the library that shows there too, the law is none of the library's.
+First a linear step tells whether any of them could. All act against the base, on a driven one too.
 
 Source: the score test, C. R. Rao, Proc. Camb. Phil. Soc. 44 (1948) 50; encompassing, G. E. Mizon, J.-F. Richard,
 Econometrica 54 (1986) 657: a model that stands explains what its rivals find in the same data.
 """
 
 from dataclasses import dataclass, replace
-from itertools import permutations, takewhile
+from math import log
 
 import numpy as np
 
-from identification.acceptance import comes_as_near, fit_without
+from identification.acceptance import fit_without
 from identification.evaluate import Evaluator
-from identification.evidence import LEAST_EVIDENCE, Ranked, log_fit, misfit_of, with_evidence
+from identification.evidence import LEAST_EVIDENCE, SIMPLER, Ranked, log_fit, misfit_of, with_evidence
 from identification.exchange import fit_at
 from identification.fit import Fit
 from identification.hypothesis import Hypothesis, free_place
-from identification.in_its_place import begun_at_leader, judged_beside, without_last
+from identification.in_its_place import judged_beside
 from identification.noise_left import NOISE_NEAR
 from identification.reached import NOISE_REACHED
 from identification.scene import scenes
@@ -35,7 +36,7 @@ WORTH_A_FIT = 6.0
 
 
 NEAR_BEST = 0.5
-"""Share of the best promise from which another general law is fitted too."""
+"""Share of the best promise, and of what an effect taken out had brought, from which a general law is fitted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,12 +44,12 @@ class Beyond:
     """A general law that does better than what stands.
 
     Attributes:
-        names: effects in whose place it does, in words.
+        replaced: effects in whose place it does.
         stood: the fit of the model with them.
         row: the general law.
     """
 
-    names: str
+    replaced: tuple[Effect, ...]
     stood: Fit
     row: Ranked
 
@@ -64,17 +65,19 @@ def is_beyond_library(session: Session, calibrated: Fit, final: Fit) -> bool:
     found = law_beyond(session, calibrated, final)
     if found is None:
         return False
-    law, fitted = found.row.effect, found.row.fit
+    names, law = " with ".join(effect.label() for effect in found.replaced), found.row.effect
+    one = "" if len(found.replaced) == 1 else " by itself"
     session.decide(
-        f"unexplained after all: {found.names} comes nearest, but {law.label()} alone takes the residual from "
-        f"{found.stood.ratio:.3g} to {fitted.ratio:.3g} times the noise in its place: {law.in_words()}, and no kind of "
-        "the library does that"
+        f"unexplained after all: {names} comes nearest, but in its place {law.label()}{one} leaves "
+        f"{found.row.fit.ratio:.3g} times the noise instead of {found.stood.ratio:.3g}: {law.in_words()}, and no kind "
+        "of the library does that"
     )
+    session.is_beyond = True
     return True
 
 
 def law_beyond(session: Session, calibrated: Fit, final: Fit) -> Beyond | None:
-    """A general law that explains the records better than an effect, fitted as far, or as well as two; or None.
+    """A general law that explains the records clearly better than an effect, or than two with more numbers; or None.
 
     Far from the noise, as on real structures, all models miss, and a curve of several numbers is always nearer: there
     nothing is asked, and what does not reach the noise itself is no such law.
@@ -88,89 +91,100 @@ def law_beyond(session: Session, calibrated: Fit, final: Fit) -> Beyond | None:
     along = [index for index, effect in enumerate(effects) if "position" in effect.places]
     if not session.fitting.timed or not along or final.ratio > NOISE_NEAR:
         return None
-    if not session.has_time_for("a look at laws beyond the library"):
-        return None
     for index in along:
-        if (found := _in_place_of(session, calibrated, final.hypothesis, index)) is not None:
-            return found
-    for kept, other in permutations(along, 2):
-        if (found := _in_place_of_two(session, calibrated, final, kept, other)) is not None:
-            return found
+        found = _in_place_of(session, calibrated, final, index, WORTH_A_FIT)
+        if found is not None and found.by >= LEAST_EVIDENCE:
+            return Beyond((effects[index],), found.stood.fit, found.first)
+    for other in along if len(along) > 1 else []:
+        less = fit_without(session, calibrated, final, other)
+        if less is None:
+            continue
+        for kept in (index for index in along if index != other):
+            row = _in_place_of_two(session, calibrated, final, less, kept, other)
+            if row is not None:
+                return Beyond((effects[kept], effects[other]), final, row)
     return None
 
 
-def _in_place_of(session: Session, calibrated: Fit, model: Hypothesis, index: int) -> Beyond | None:
-    """A general law that wins clearly in an effect's place."""
-    effect, bare = model.effects[index], model.without_effect(index)
-    try:
-        leader = fit_at(session, calibrated, replace(model, effects=(*bare.effects, effect)))
-        rows = _weighed(session, calibrated, leader, WORTH_A_FIT)
-        if not rows:
-            return None
-        base = fit_at(session, calibrated, bare)
-        rows = with_evidence([*rows, *begun_at_leader(session.fitting, base, rows, [effect])])
-    except ArithmeticError:  # without the effect nothing stands
-        return None
-    stood = next(row for row in rows if row.effect.kind == effect.kind)
-    by = rows[0].log_evidence - stood.log_evidence
-    session.progress(f"{rows[0].effect.label()} against {stood.effect.label()}: odds of e^{by:.1f}")
-    return Beyond(effect.label(), stood.fit, rows[0]) if by >= LEAST_EVIDENCE and _explains_all(rows[0]) else None
+@dataclass(frozen=True, eq=False)
+class _Ahead:
+    """A general law first in a place, the best of the library there, and the odds between, as a logarithm."""
+
+    first: Ranked
+    stood: Ranked
+
+    @property
+    def by(self) -> float:
+        return self.first.log_evidence - self.stood.log_evidence
 
 
-def _in_place_of_two(session: Session, calibrated: Fit, final: Fit, kept: int, other: int) -> Beyond | None:
-    """A general law that explains as much with fewer numbers, in the place of an effect and without another one.
-
-    A law that is none of the library's may take two of them to be met.
-    """
-    effects = final.hypothesis.effects
-    less = fit_without(session, calibrated, final, other)
-    if less is None:
-        return None
-    scale, place = misfit_of(final), kept - (other < kept)
-    bare, effect = less.hypothesis.without_effect(place), less.hypothesis.effects[place]
-    try:
-        leader = fit_at(session, calibrated, replace(bare, effects=(*bare.effects, effect)))
-        needed = NEAR_BEST * (log_fit(final, scale) - log_fit(less, scale))
-        rows = _weighed(session, calibrated, leader, max(WORTH_A_FIT, needed))
-    except ArithmeticError:  # without either nothing stands
-        return None
-    numbers = _n_numbers(effects[kept]) + _n_numbers(effects[other])
-    general = takewhile(lambda row: row.effect.kind in GENERAL_LAWS, rows)
-    fewer = (row for row in general if _n_numbers(row.effect) < numbers and _explains_all(row))
-    row = next((row for row in fewer if comes_as_near(row.fit, final)), None)
-    return None if row is None else Beyond(f"{effects[kept].label()} with {effects[other].label()}", final, row)
-
-
-def _weighed(session: Session, calibrated: Fit, leader: Fit, least: float) -> list[Ranked]:
-    """A fit's last effect and general laws in its place by evidence, one of these first; none where it is not.
+def _in_place_of(session: Session, calibrated: Fit, model: Fit, index: int, least: float) -> _Ahead | None:
+    """A general law that explains all in an effect's place, before the library's best there; None where none does.
 
     Args:
         session: with the records.
         calibrated: the model without effects, for its unknowns.
-        leader: with the effect last.
+        model: with the effect.
+        index: of the effect.
         least: logarithm of the odds that a linear step has to promise.
     """
-    effect = _along(leader.hypothesis.effects[-1], leader.hypothesis)
-    promise = promised(session.fitting, leader, effect.place)
-    best = max(promise.values())
-    session.progress(f"laws beyond the library beside {effect.label()}: a linear step promises odds of e^{best:.1f}")
-    kinds = {name: GENERAL_LAWS[name] for name, odds in promise.items() if odds >= max(least, NEAR_BEST * best)}
-    if not kinds:
-        return []
-    base = fit_at(session, calibrated, without_last(leader.hypothesis))
-    leader = replace(leader, hypothesis=without_last(leader.hypothesis).with_effects(effect))
-    rows = judged_beside(leader, session.fitting, base, (), kinds, session.progress)
-    return rows if rows[0].effect.kind in kinds else []
+    if not session.has_time_for("a look at laws beyond the library"):
+        return None
+    effect, bare = model.hypothesis.effects[index], model.hypothesis.without_effect(index)
+    try:
+        leader = fit_at(session, calibrated, replace(model.hypothesis, effects=(*bare.effects, effect)))
+        place = _along(effect, model.hypothesis)
+        promise = promised(session.fitting, leader, place)
+        best = max(promise.values())
+        session.progress(f"laws beyond the library beside {effect.label()}: a step promises odds of e^{best:.1f}")
+        kinds = {name: GENERAL_LAWS[name] for name, odds in promise.items() if odds >= max(least, NEAR_BEST * best)}
+        if not kinds:
+            return None
+        base, fitting = fit_at(session, calibrated, bare), session.fitting
+        there = replace(leader, hypothesis=bare.with_effects(replace(effect, place=place)))
+        first = judged_beside(there, fitting, base, (), kinds, session.progress)[0]
+        if first.effect.kind not in kinds or first.fit.ratio > NOISE_REACHED:
+            return None
+        library = session.kinds_at_a_place(bare.rig)
+        rows = judged_beside(first.fit, fitting, base, [effect], library, session.progress)
+    except ArithmeticError:  # without the effect nothing stands
+        return None
+    rows = with_evidence([*(row for row in rows if row.refitted), Ranked.of(leader)])
+    if rows[0].effect.kind not in kinds:
+        return None
+    stood = next(row for row in rows if row.effect.kind not in kinds)
+    ahead = _Ahead(rows[0], stood)
+    session.progress(f"{ahead.first.effect.label()} against {stood.effect.label()}: odds of e^{ahead.by:.1f}")
+    return ahead
 
 
-def _explains_all(row: Ranked) -> bool:
-    """Whether a general law leaves the noise alone, as the right one does; nearer to what all models miss is no law."""
-    return row.fit.ratio <= NOISE_REACHED
+def _in_place_of_two(session: Session, calibrated: Fit, final: Fit, less: Fit, kept: int, other: int) -> Ranked | None:
+    """A general law in the place of one of two effects, without the other, that is clearly better with fewer numbers.
+
+    A law that is none of the library's may take two of them to be met.
+
+    Args:
+        session: with the records.
+        calibrated: the model without effects, for its unknowns.
+        final: the model that stands.
+        less: the same without the other effect.
+        kept: index of the effect in whose place the law is tried.
+        other: index of the one that is left out.
+    """
+    scale = misfit_of(final)
+    needed = NEAR_BEST * (log_fit(final, scale) - log_fit(less, scale)) * scale / misfit_of(less)
+    ahead = _in_place_of(session, calibrated, less, kept - (other < kept), max(WORTH_A_FIT, needed))
+    if ahead is None:
+        return None
+    effects = [final.hypothesis.effects[index] for index in (kept, other)]
+    fewer = sum(map(_n_numbers, effects)) - _n_numbers(ahead.first.effect)
+    better = log_fit(ahead.first.fit, scale) - log_fit(final, scale)
+    return ahead.first if better + log(SIMPLER) * fewer >= LEAST_EVIDENCE else None
 
 
 def _n_numbers(effect: Effect) -> int:
-    """Numbers that a fit determines, those of a curve and the place among them."""
-    return len(effect.fitted_values()) + free_place(effect)
+    """Numbers that a fit determines, with the place."""
+    return effect.n_numbers + free_place(effect)
 
 
 def promised(evaluator: Evaluator, found: Fit, place: Place) -> dict[str, float]:
@@ -193,8 +207,8 @@ def promised(evaluator: Evaluator, found: Fit, place: Place) -> dict[str, float]
     return odds
 
 
-def _along(effect: Effect, model: Hypothesis) -> Effect:
-    """The effect with its position, where it sits in a sleeve."""
+def _along(effect: Effect, model: Hypothesis) -> Place:
+    """Where an effect acts along the beam, with its position where it sits in a sleeve."""
     if effect.place.sleeve is None or effect.place.position is not None:
-        return effect
-    return replace(effect, place=replace(effect.place, position=model.rig.sleeve(effect.place.sleeve).position))
+        return effect.place
+    return replace(effect.place, position=model.rig.sleeve(effect.place.sleeve).position)

@@ -119,7 +119,9 @@ def diagnose(
     chain: list[Fit] = [carried_by_calibrated(session, base)]
     search = partial(_searched, session, given, holdout, stages, most_effects)
     found = search(chain)
-    in_doubt_of_the_rest = found.verdict == "unexplained" or fails_in_pieces(session, found.final)
+    in_doubt_of_the_rest = not session.is_beyond and (
+        found.verdict == "unexplained" or fails_in_pieces(session, found.final)
+    )
     if in_doubt_of_the_rest and session.has_time_for(ONCE_MORE) and go_on(session, found.chain[0]):
         session.decide("looking again with the rest of the records, in pieces")
         found = _looked_again(session, search, stages, found)

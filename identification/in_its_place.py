@@ -299,19 +299,26 @@ def settled_apart(fitting: Evaluator, ranked: list[Ranked], progress: Progress) 
     Of those that came to the same numbers at the same place one is left.
     """
     within = 0.5 * REFIT_TOLERANCE * ranked[0].fit.cost / misfit_in_common(ranked) if ranked else 0.0
-    ranked = [row for n, row in enumerate(ranked) if not any(_have_met(row, better) for better in ranked[:n])]
+    ranked = _but_once(ranked)
     close = [row for row in ranked if row.refitted and row.log_evidence > ranked[0].log_evidence - within]
     if not close[1:]:
         return ranked
     progress(f"{' and '.join(row.effect.label() for row in close)} fit nearly alike; fitting them to the end")
     fits = [fit(fitting, row.fit.hypothesis, row.fit.unknowns, tolerance=0.0, precise=True) for row in close]
     rows = [replace(row, fit=f, effect=f.hypothesis.effects[-1]) for row, f in zip(close, fits, strict=True)]
-    return reweighed(ranked, [*rows, *(row for row in ranked if row.refitted and row not in close)])
+    return _but_once(reweighed(ranked, [*rows, *(row for row in ranked if row.refitted and row not in close)]))
+
+
+def _but_once(ranked: Sequence[Ranked]) -> list[Ranked]:
+    """The ranking without what has come to where a better row is."""
+    return [row for n, row in enumerate(ranked) if not any(_have_met(row, better) for better in ranked[:n])]
 
 
 def _have_met(row: Ranked, better: Ranked) -> bool:
     """Whether two fits of one kind have come to one point of one valley."""
     if not (row.refitted and better.refitted and is_alike(row.fit, better.fit)):
+        return False
+    if row.effect.place.sleeve != better.effect.place.sleeve:
         return False
     here, there = row.effect.fitted_values(), better.effect.fitted_values()
     return len(here) == len(there) and bool(np.allclose(here, there, rtol=MET, atol=0.0))

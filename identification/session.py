@@ -71,6 +71,7 @@ class Session:
         relearnt: whether the noise was lowered on the way.
         pieces: of records past where they can be followed from their start, which are fitted beside the beginnings.
         is_passing: whether what is left of the fitted part was found to be an event that passes.
+        is_beyond: whether a law beyond the library was found to explain what is missing.
         until: by ``perf_counter``, s, when nothing more is begun.
         untried: what was not begun for want of time, in words.
     """
@@ -84,6 +85,7 @@ class Session:
     decisions: list[str] = field(default_factory=list)
     relearnt: bool = False
     is_passing: bool = False
+    is_beyond: bool = False
     pieces: tuple[Piece, ...] = ()
     until: float = inf
     untried: list[str] = field(default_factory=list)

@@ -7,7 +7,7 @@ numbers of the rig.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import copysign, pi, tanh
 from typing import ClassVar, Self
 
@@ -41,6 +41,11 @@ class GeneralLaw(Effect):
     def numbers(self) -> tuple[float, ...]:
         """What the law is called with."""
         raise NotImplementedError
+
+    @property
+    def n_numbers(self) -> int:
+        """How many a fit determines; each value of a curve is one."""
+        return len(self.fitted_values())
 
     def point_laws(self, contact: Contact | None, structure: Structure) -> tuple[PointLaw, ...]:  # noqa: ARG002
         """The law at its place."""
@@ -135,7 +140,20 @@ SPEEDS = (0.03, 0.1, 0.3, 1.0, 3.0)
 
 
 @dataclass(frozen=True)
-class SpringCurve(_Curve):
+class _OverDisplacement(_Curve):
+    """A curve over the displacement from rest.
+
+    Attributes:
+        reach: the largest displacement from rest, m.
+        rest: m.
+    """
+
+    reach: float = parameter("d", "m", fitted=False, default=1.0)
+    rest: float = parameter("q_0", "m", scale="linear", fitted=False, default=0.0)
+
+
+@dataclass(frozen=True)
+class SpringCurve(_OverDisplacement):
     """A spring whose force is any function of the displacement from rest, another on either side."""
 
     kind: ClassVar[str] = "force over displacement"
@@ -147,9 +165,6 @@ class SpringCurve(_Curve):
         (0.01, 0.2, 1.0, 0.01, 0.01, 0.01),
         (0.01, 0.01, 0.01, 0.01, 0.2, 1.0),
     )
-
-    reach: float = parameter("d", "m", fitted=False, default=1.0)
-    rest: float = parameter("q_0", "m", scale="linear", fitted=False, default=0.0)
 
     @classmethod
     def with_values(cls, scene: Scene, values: Sequence[float]) -> Self:
@@ -180,11 +195,11 @@ class SpringCurve(_Curve):
 
 
 REACHES = (0.2, 0.5, 1.0)
-"""Knots of a curve over the displacement, in largest displacements."""
+"""Knots of a spring's curve on either side, in largest displacements."""
 
 
 @dataclass(frozen=True)
-class DampingCurve(_Curve):
+class DampingCurve(_OverDisplacement):
     """A dashpot whose damping is any function of the displacement."""
 
     kind: ClassVar[str] = "damping over displacement"
@@ -195,8 +210,6 @@ class DampingCurve(_Curve):
         (0.1, 0.5, 1.0, 0.5, 0.1),
     )
 
-    reach: float = parameter("d", "m", fitted=False, default=1.0)
-    rest: float = parameter("q_0", "m", scale="linear", fitted=False, default=0.0)
     speed: float = parameter("v_1", "m/s", fitted=False, default=1.0)
 
     @classmethod
@@ -221,7 +234,7 @@ class DampingCurve(_Curve):
 
 
 @dataclass(frozen=True)
-class FrictionCurve(_Curve):
+class FrictionCurve(_OverDisplacement):
     """Dry friction whose force is any function of the displacement."""
 
     kind: ClassVar[str] = "friction over displacement"
@@ -234,8 +247,6 @@ class FrictionCurve(_Curve):
         (0.1, 1.0, 0.1, 0.03, 0.03),
     )
 
-    reach: float = parameter("d", "m", fitted=False, default=1.0)
-    rest: float = parameter("q_0", "m", scale="linear", fitted=False, default=0.0)
     slip_velocity: float = parameter("v_s", "m/s", lower=1e-9, default=1.0)
 
     @classmethod
@@ -279,8 +290,8 @@ class Memory(GeneralLaw):
     @classmethod
     def pieces(cls, scene: Scene) -> Iterator[Self]:
         """Weak ones, from fast to slow."""
-        for trial in cls.trials(scene):
-            yield replace(trial, stiffness=SHARES[0] * scene.force / scene.displacement)
+        for time in cls._times(scene):
+            yield cls(scene.place, SHARES[0] * scene.force / scene.displacement, time)
 
     @classmethod
     def _times(cls, scene: Scene) -> list[float]:

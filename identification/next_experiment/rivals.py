@@ -9,6 +9,7 @@ from identification.evidence import Ranked, misfit_in_common
 from identification.fit import NOT_TOLD, Fit, prior_of
 from identification.hypothesis import Hypothesis, Unknown, at_coordinates, coordinates
 from identification.outcome import in_one_valley, undecided
+from identification.scene import is_same_place
 from models.arrays import FloatArray
 from models.effects import Effect
 
@@ -69,9 +70,11 @@ def rivals_of(ranked: Sequence[Ranked], chances: Sequence[float]) -> tuple[Rival
 
 
 def _is_one(row: Ranked, other: Ranked) -> bool:
-    """Whether a fit may come from one to the other."""
-    one, two = row.effect, other.effect
-    return in_one_valley(one, two, row.fit.hypothesis.rig) and not one.is_variant_of(two)
+    """Whether a fit may come from one to the other; from a free place to a sleeve only where that is the same place."""
+    one, two, rig = row.effect, other.effect, row.fit.hypothesis.rig
+    if (one.place.sleeve or two.place.sleeve) and not is_same_place(one.place, two.place, rig):
+        return False
+    return in_one_valley(one, two, rig) and not one.is_variant_of(two)
 
 
 def _rival(row: Ranked, chance: float, scale: float) -> Rival:

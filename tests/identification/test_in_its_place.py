@@ -8,7 +8,7 @@ from trial_records import OSCILLATOR, REFERENCE, beam_session, evaluator_of, fou
 
 from identification import in_its_place
 from identification.calibrate import strained
-from identification.evidence import Ranked
+from identification.evidence import Ranked, with_evidence
 from identification.fit import fit
 from identification.hypothesis import LARGEST_SIGMA, Hypothesis, effect_unknowns, rig_unknowns
 from identification.in_all_sleeves import in_all_sleeves
@@ -184,13 +184,24 @@ def test_what_a_sleeve_needs_a_number_at_the_end_of_its_tolerance_for_is_tried_a
     assert not strained(rows[0].fit)
 
 
-@pytest.mark.parametrize(("mass", "n_left"), [(0.1003, 1), (0.15, 2)])
-def test_of_fits_that_have_met_one_is_left(mass, n_left):
+@pytest.mark.parametrize("iterations", [1, 12])
+def test_of_fits_that_have_met_one_is_left(iterations):
     session = beam_session(PointMass(at(0.86), mass=0.1))
-    best = Ranked.of(found_with(session, PointMass(at(0.86), mass=0.1)))
-    other = replace(best, effect=replace(best.effect, mass=mass), log_evidence=-0.1)
+    best, other = (
+        Ranked.of(found_with(session, PointMass(at(place), mass=mass), iterations=n))
+        for place, mass, n in ((0.86, 0.1, 12), (0.87, 0.105, iterations))
+    )
 
-    rows = settled_apart(session.fitting, [best, other], lambda _: None)
+    rows = settled_apart(session.fitting, with_evidence([best, other]), lambda _: None)
 
-    assert len(rows) == n_left
-    assert rows[0].effect.mass == pytest.approx(0.1, rel=0.01)
+    assert [row.effect.mass for row in rows] == [pytest.approx(0.1, rel=0.01)]
+
+
+def test_fits_that_have_not_met_are_two():
+    session = beam_session(PointMass(at(0.86), mass=0.1))
+    alone = Ranked.of(found_with(session, PointMass(at(0.86), mass=0.1)))
+    damped = Ranked.of(found_with(session, PointDamping(at(0.86), damping=5.0)))
+
+    rows = settled_apart(session.fitting, with_evidence([alone, damped]), lambda _: None)
+
+    assert [row.effect.kind for row in rows] == ["point_mass", "point_damping"]
