@@ -12,7 +12,7 @@ from testbed.hidden_effects.imitation import Imitation
 from testbed.hidden_effects.outside import OUTSIDE_LAWS
 from testbed.hidden_effects.places import draw_place, is_apart, scene_at
 from testbed.hidden_effects.plan import KINDS, NOTHING, OUTSIDE, TWO, Task
-from testbed.hidden_effects.sets import EACH_OF_TWO, FEW, FEW_SHARE, MANY, MOST
+from testbed.hidden_effects.sets import EACH_OF_TWO, FEW, FEW_SHARE, MANY, MOST, SETS
 from testbed.hidden_effects.sizes import ROUNDS, on_the_beam, sized
 from testbed.hidden_effects.tolerated import tolerated
 from testbed.hidden_effects.trials import Trial
@@ -81,7 +81,7 @@ def _kinds(task: Task, rng: np.random.Generator) -> tuple[type[Effect], ...]:
     if task.kind == NOTHING:
         return ()
     if task.kind == OUTSIDE:
-        return (OUTSIDE_LAWS[task.number % len(OUTSIDE_LAWS)],)
+        return (OUTSIDE_LAWS[task.number % SETS[task.case_set].batches[task.seed].n_laws],)
     if task.kind == TWO:
         every = tuple(KINDS.values())
         one, other = rng.choice(len(every), 2, replace=False)

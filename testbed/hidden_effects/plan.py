@@ -85,7 +85,7 @@ def planned(case_set: str, cases: int, only: Sequence[str] = ()) -> tuple[Task, 
 
 
 def _order(batch: Batch) -> Iterator[tuple[str, int]]:
-    kinds, laws = tuple(KINDS), [law.kind for law in OUTSIDE_LAWS]
+    kinds, laws = tuple(KINDS), [law.kind for law in OUTSIDE_LAWS[: batch.n_laws]]
     first = kinds.index(batch.first_kind) if batch.first_kind else 0
     kinds = (*kinds[first:], *kinds[:first])
     drawn = dict.fromkeys((NOTHING, ONE, TWO, OUTSIDE), 0)
