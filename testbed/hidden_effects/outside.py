@@ -219,9 +219,7 @@ class CreepingSpring(_OutsideLaw):
     """F = -stiffness z, dz/dt = v - z |z| / (reach relaxation_time): a spring that creeps, and the faster the more."""
 
     kind: ClassVar[str] = "creeping_spring"
-    source: ClassVar[str] = (
-        "F. H. Norton, The Creep of Steel at High Temperatures (1929): a power of the stress"
-    )
+    source: ClassVar[str] = "F. H. Norton, The Creep of Steel at High Temperatures (1929): a power of the stress"
 
     stiffness: float = parameter("k", "N/m", lower=0.0, neutral=0.0)
     relaxation_time: float = parameter("tau", "s", lower=1e-6)
