@@ -53,7 +53,8 @@ Of earlier diagnoses {sum(n for n, _ in BEFORE.values())} reported cases of {len
 seed 21911 come out otherwise when they are drawn again, since the search for their size begins at the library's own
 trials, which were changed since. The rule for the newest batches was fixed while seed 19387 ran and two of its cases
 were done, both right. Up to seed 33301 all begin with the same kind and the same law; batches since begin behind those
-that had been drawn most.
+that had been drawn most. Since seed 43201 what is found is held against laws more general than the library's, which
+hold five of the first six laws outside it within them; since seed 44203 three that they do not hold take turns too.
 """
 
 NEWEST = f"""\
