@@ -11,7 +11,7 @@ Source: the score test, C. R. Rao, Proc. Camb. Phil. Soc. 44 (1948) 50; encompas
 Econometrica 54 (1986) 657: a model that stands explains what its rivals find in the same data.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import log
 
 import numpy as np
@@ -21,7 +21,7 @@ from identification.evaluate import Evaluator
 from identification.evidence import LEAST_EVIDENCE, SIMPLER, Ranked, log_fit, misfit_of, with_evidence
 from identification.exchange import fit_at
 from identification.fit import Fit
-from identification.hypothesis import Hypothesis, free_place
+from identification.hypothesis import free_place
 from identification.in_its_place import judged_beside
 from identification.noise_left import NOISE_NEAR
 from identification.reached import NOISE_REACHED
@@ -132,17 +132,15 @@ def _in_place_of(session: Session, calibrated: Fit, model: Fit, index: int, leas
         return None
     effect, bare = model.hypothesis.effects[index], model.hypothesis.without_effect(index)
     try:
-        leader = fit_at(session, calibrated, replace(model.hypothesis, effects=(*bare.effects, effect)))
-        place = _along(effect, model.hypothesis)
-        promise = promised(session.fitting, leader, place)
+        leader = fit_at(session, calibrated, bare.with_effects(effect))
+        promise = promised(session.fitting, leader, effect.place)
         best = max(promise.values())
         session.progress(f"laws beyond the library beside {effect.label()}: a step promises odds of e^{best:.1f}")
         kinds = {name: GENERAL_LAWS[name] for name, odds in promise.items() if odds >= max(least, NEAR_BEST * best)}
         if not kinds:
             return None
         base, fitting = fit_at(session, calibrated, bare), session.fitting
-        there = replace(leader, hypothesis=bare.with_effects(replace(effect, place=place)))
-        first = judged_beside(there, fitting, base, (), kinds, session.progress)[0]
+        first = judged_beside(leader, fitting, base, (), kinds, session.progress)[0]
         if first.effect.kind not in kinds or first.fit.ratio > NOISE_REACHED:
             return None
         library = session.kinds_at_a_place(bare.rig)
@@ -205,10 +203,3 @@ def promised(evaluator: Evaluator, found: Fit, place: Place) -> dict[str, float]
         gain = projection.gain_of_all(np.stack(changes)) if changes else 0.0
         odds[name] = 0.5 * gain / misfit_of(found)
     return odds
-
-
-def _along(effect: Effect, model: Hypothesis) -> Place:
-    """Where an effect acts along the beam, with its position where it sits in a sleeve."""
-    if effect.place.sleeve is None or effect.place.position is not None:
-        return effect.place
-    return replace(effect.place, position=model.rig.sleeve(effect.place.sleeve).position)

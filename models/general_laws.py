@@ -11,17 +11,14 @@ from dataclasses import dataclass
 from math import copysign, pi, tanh
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, PlaceKind, Scene, StructureKind, parameter
-from models.ports import Contact, PointLaw
-from models.structure import Structure
+from models.effects.protocol import Scene, StructureKind, parameter
+from models.effects.single_law import SingleLaw
 
 
 @dataclass(frozen=True)
-class GeneralLaw(Effect):
+class GeneralLaw(SingleLaw):
     """A point law along the beam, or on an oscillator; the subclass says which."""
 
-    family: ClassVar[Family] = "point force"
-    places: ClassVar[tuple[PlaceKind, ...]] = ("position",)
     structures: ClassVar[tuple[StructureKind, ...]] = ("beam", "oscillator")
 
     @classmethod
@@ -33,23 +30,10 @@ class GeneralLaw(Effect):
         """
         raise NotImplementedError
 
-    @staticmethod
-    def law(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:
-        """Force on the structure, N."""
-        raise NotImplementedError
-
-    def numbers(self) -> tuple[float, ...]:
-        """What the law is called with."""
-        raise NotImplementedError
-
     @property
     def n_numbers(self) -> int:
         """How many a fit determines; each value of a curve is one."""
         return len(self.fitted_values())
-
-    def point_laws(self, contact: Contact | None, structure: Structure) -> tuple[PointLaw, ...]:  # noqa: ARG002
-        """The law at its place."""
-        return (PointLaw(self.port(contact), self.law, self.numbers(), getattr(self, "rate", None), self.label()),)
 
 
 @dataclass(frozen=True)
@@ -115,19 +99,15 @@ class SpeedCurve(_Curve):
         """Over the rms speed."""
         return cls(scene.place, scene.force, tuple(values), scene.velocity)
 
-    def numbers(self) -> tuple[float, ...]:
-        """Force, speed and values."""
-        return (self.force, self.speed, *self.values)
-
     @staticmethod
     def law(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004
-        """N, with p = (force, speed, values at ``SPEEDS``); constant beyond the last."""
-        s, below, before = abs(v) / p[1], 0.0, 0.0
+        """N, with p = (force, values at ``SPEEDS``, speed); constant beyond the last."""
+        s, below, before = abs(v) / p[6], 0.0, 0.0
         for i in range(5):
             if s < SPEEDS[i]:
-                before += (p[2 + i] - before) * (s - below) / (SPEEDS[i] - below)
+                before += (p[1 + i] - before) * (s - below) / (SPEEDS[i] - below)
                 break
-            below, before = SPEEDS[i], p[2 + i]
+            below, before = SPEEDS[i], p[1 + i]
         return -copysign(1.0, v) * p[0] * before
 
     def in_words(self) -> str:
@@ -171,15 +151,11 @@ class SpringCurve(_OverDisplacement):
         """Over the largest displacement from rest."""
         return cls(scene.place, scene.force, tuple(values), scene.displacement, scene.rest)
 
-    def numbers(self) -> tuple[float, ...]:
-        """Force, reach, rest and values."""
-        return (self.force, self.reach, self.rest, *self.values)
-
     @staticmethod
     def law(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004
-        """N, with p = (force, reach, rest, values above rest at ``REACHES``, below); straight on beyond the last."""
-        u = (q - p[2]) / p[1]
-        first = 3 if u > 0.0 else 6
+        """N, with p = (force, values above rest at ``REACHES``, below, reach, rest); straight on beyond the last."""
+        u = (q - p[8]) / p[7]
+        first = 1 if u > 0.0 else 4
         s, below, before, force = abs(u), 0.0, 0.0, 0.0
         for i in range(3):
             slope = (p[first + i] - before) / (REACHES[i] - below)
@@ -217,16 +193,12 @@ class DampingCurve(_OverDisplacement):
         """Over the largest displacement from rest, the force that of the rms speed."""
         return cls(scene.place, scene.force, tuple(values), scene.displacement, scene.rest, scene.velocity)
 
-    def numbers(self) -> tuple[float, ...]:
-        """Force at 1 m/s, reach, rest and values."""
-        return (self.force / self.speed, self.reach, self.rest, *self.values)
-
     @staticmethod
     def law(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004
-        """N, with p = (force at 1 m/s, reach, rest, values from below to above); constant beyond the ends."""
-        s = min(max(2.0 * (q - p[2]) / p[1] + 2.0, 0.0), 4.0)
+        """N, with p = (force, values from below to above, reach, rest, speed); constant beyond the ends."""
+        s = min(max(2.0 * (q - p[7]) / p[6] + 2.0, 0.0), 4.0)
         i = min(int(s), 3)
-        return -p[0] * v * (p[3 + i] + (p[4 + i] - p[3 + i]) * (s - i))
+        return -(p[0] / p[8]) * v * (p[1 + i] + (p[2 + i] - p[1 + i]) * (s - i))
 
     def in_words(self) -> str:
         """What it does."""
@@ -254,16 +226,12 @@ class FrictionCurve(_OverDisplacement):
         """Over the largest displacement from rest, slipping at a tenth of the rms speed."""
         return cls(scene.place, scene.force, tuple(values), scene.displacement, scene.rest, 0.1 * scene.velocity)
 
-    def numbers(self) -> tuple[float, ...]:
-        """Force, reach, rest, slip velocity and values."""
-        return (self.force, self.reach, self.rest, self.slip_velocity, *self.values)
-
     @staticmethod
     def law(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004
-        """N, with p = (force, reach, rest, slip velocity, values from below to above); constant beyond the ends."""
-        s = min(max(2.0 * (q - p[2]) / p[1] + 2.0, 0.0), 4.0)
+        """N, with p = (force, values from below to above, reach, rest, slip velocity); constant beyond the ends."""
+        s = min(max(2.0 * (q - p[7]) / p[6] + 2.0, 0.0), 4.0)
         i = min(int(s), 3)
-        return -p[0] * tanh(v / p[3]) * (p[4 + i] + (p[5 + i] - p[4 + i]) * (s - i))
+        return -p[0] * tanh(v / p[8]) * (p[1 + i] + (p[2 + i] - p[1 + i]) * (s - i))
 
     def in_words(self) -> str:
         """What it does."""
@@ -309,10 +277,6 @@ class Memory(GeneralLaw):
     def rate(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004
         """dz/dt, m/s, with p = (stiffness, relaxation_time)."""
         return v - z / p[1]
-
-    def numbers(self) -> tuple[float, ...]:
-        """Stiffness and time."""
-        return (self.stiffness, self.relaxation_time)
 
     def in_words(self) -> str:
         """What it does."""

@@ -5,27 +5,14 @@ from dataclasses import dataclass
 from math import exp, pi, sin, tanh
 from typing import ClassVar, Self
 
-from models.effects.protocol import Effect, Family, PlaceKind, Scene, parameter
-from models.ports import Contact, PointLaw
-from models.structure import Structure
+from models.effects.protocol import Effect, Scene, parameter
+from models.effects.single_law import SingleLaw
+from models.general_laws import Memory
 
 
 @dataclass(frozen=True)
-class _OutsideLaw(Effect):
-    """A point law at a position; the subclass says which."""
-
-    family: ClassVar[Family] = "point force"
-    places: ClassVar[tuple[PlaceKind, ...]] = ("position",)
-
-    @classmethod
-    def law(cls, t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:
-        """Force on the beam, N."""
-        raise NotImplementedError
-
-    def point_laws(self, contact: Contact | None, structure: Structure) -> tuple[PointLaw, ...]:  # noqa: ARG002
-        """The law at its place, with all parameters in the order of the fields."""
-        values = tuple(float(getattr(self, name)) for name in self.parameters())
-        return (PointLaw(self.port(contact), self.law, values, getattr(self, "rate", None), self.label()),)
+class _OutsideLaw(SingleLaw):
+    """A law at a position; the subclass says which."""
 
     def in_words(self) -> str:
         """The formula."""
@@ -160,15 +147,8 @@ class RelaxingSpring(_OutsideLaw):
         """Relaxed in the time in which the place moves as far as it goes."""
         yield cls(scene.place, 0.3 * scene.force / scene.displacement, scene.displacement / scene.velocity)
 
-    @staticmethod
-    def law(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004
-        """N, with p = (stiffness, relaxation_time)."""
-        return -p[0] * z
-
-    @staticmethod
-    def rate(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004
-        """m/s, with p = (stiffness, relaxation_time)."""
-        return v - z / p[1]
+    law = staticmethod(Memory.law)
+    rate = staticmethod(Memory.rate)
 
 
 @dataclass(frozen=True)
@@ -215,14 +195,12 @@ class BrokenSpring(_OutsideLaw):
 
 
 @dataclass(frozen=True)
-class CreepingSpring(_OutsideLaw):
+class CreepingSpring(RelaxingSpring):
     """F = -stiffness z, dz/dt = v - z |z| / (reach relaxation_time): a spring that creeps, and the faster the more."""
 
     kind: ClassVar[str] = "creeping_spring"
     source: ClassVar[str] = "F. H. Norton, The Creep of Steel at High Temperatures (1929): a power of the stress"
 
-    stiffness: float = parameter("k", "N/m", lower=0.0, neutral=0.0)
-    relaxation_time: float = parameter("tau", "s", lower=1e-6)
     reach: float = parameter("d", "m", fitted=False)
 
     @classmethod
@@ -230,11 +208,6 @@ class CreepingSpring(_OutsideLaw):
         """As fast as a linear one, at half the largest displacement."""
         time = scene.displacement / scene.velocity
         yield cls(scene.place, 0.3 * scene.force / scene.displacement, time, 0.5 * scene.displacement)
-
-    @staticmethod
-    def law(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004
-        """N, with p = (stiffness, relaxation_time, reach)."""
-        return -p[0] * z
 
     @staticmethod
     def rate(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004
