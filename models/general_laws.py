@@ -12,7 +12,7 @@ from math import copysign, pi, tanh
 from typing import ClassVar, Self
 
 from models.effects.protocol import Scene, StructureKind, parameter
-from models.effects.single_law import SingleLaw
+from models.single_law import SingleLaw
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ from math import exp, pi, sin, tanh
 from typing import ClassVar, Self
 
 from models.effects.protocol import Effect, Scene, parameter
-from models.effects.single_law import SingleLaw
 from models.general_laws import Memory
+from models.single_law import SingleLaw
 
 
 @dataclass(frozen=True)
