@@ -418,7 +418,9 @@ def _open(
     for limit, target in zip(limits, everything.timed, strict=True):
         if limit.seconds < target.record.duration:
             session.decide(limit.in_words)
-        session.decide(f"{limit.record}: sensors' noise from {target.noise.method}; {target.noise.excitation_method}")
+        bound = " (a bound from above: the structure may move there, too)" if target.noise.at_most else ""
+        heard = f"sensors' noise from {target.noise.method}{bound}"
+        session.decide(f"{limit.record}: {heard}; {target.noise.excitation_method}")
     for rest in everything.at_rest:
         session.decide(f"{rest.record.name}: compared with the model linearised at rest; noise from {rest.method}")
     if not everything.timed:

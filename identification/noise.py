@@ -45,6 +45,7 @@ class Noise:
         method: how the sensors' noise was found, in words.
         excitation_method: how the excitation's was found, in words.
         hidden: the excitation fills the whole band and hides its own noise.
+        at_most: the sensors' noise is what even their quietest bands hold, which may be motion.
     """
 
     sensors: FloatArray
@@ -52,6 +53,7 @@ class Noise:
     method: str
     excitation_method: str
     hidden: bool = False
+    at_most: bool = False
 
 
 def estimate_noise(record: Record) -> Noise:
@@ -65,7 +67,10 @@ def estimate_noise(record: Record) -> Noise:
     repeats = block if block and record.n_samples >= 3 * block else None
     density, method = _sensors_density(record, repeats)
     excitation, excitation_method = _excitation_noise(record, repeats)
-    return Noise(np.sqrt(density), excitation or 0.0, method, excitation_method, hidden=excitation is None)
+    return Noise(
+        np.sqrt(density), excitation or 0.0, method, excitation_method, hidden=excitation is None,
+        at_most=method == QUIETEST,
+    )  # fmt: skip
 
 
 def _sensors_density(record: Record, period: int | None) -> tuple[FloatArray, str]:
@@ -74,7 +79,7 @@ def _sensors_density(record: Record, period: int | None) -> tuple[FloatArray, st
     if period is not None:
         repeated = _between_periods(record.responses, period)
         return _lower(repeated, floor, lines), "what does not repeat from period to period"
-    method = "the quietest bands of each channel"
+    method = QUIETEST
     if len(record.sensors) >= MIN_SENSORS and record.n_samples >= 16 * SEGMENT:
         floor = _lower(floor, unshared_density(record.responses), np.array(UNSHARED_LINES))
         method = "what each sensor does not share with the others"
@@ -104,6 +109,8 @@ UNSHARED_LINES = 150.0
 """Free lines to whose median the factor analysis of 4096 samples compares: it is good to some 12 % of a variance."""
 
 MIN_SENSORS = 5
+
+QUIETEST = "the quietest bands of each channel"
 
 STOPPED_SHARE = 0.3
 """The stopped band is believed where it holds at least this share of the noise found in the band."""

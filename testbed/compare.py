@@ -118,11 +118,25 @@ def _in_time(hypothesis: Hypothesis, records: Sequence[Record], jobs: int, seed:
     evaluator = prepare(hypothesis, records, jobs, np.random.default_rng(seed))
     known = with_starts(evaluator, hypothesis)
     found = score(evaluator, known)
+    bounds = [_only_a_bound(row) for row in found.records if row.noise.at_most and row.noise_nrmse > QUIET]
     loud = {row.record.name: row for row in found.records if row.noise_nrmse > RATTLING}
     limits = horizons(evaluator, known) if loud else []
     torn = [limit for limit in limits if limit.record in loud and limit.torn > LEAST_TORN]
     parted = [limit for limit in torn if limit.seconds < loud[limit.record].record.duration]
-    return found, (*wholly_off(found), *(_in_words(limit, loud[limit.record]) for limit in parted))
+    return found, (*wholly_off(found), *bounds, *(_in_words(limit, loud[limit.record]) for limit in parted))
+
+
+QUIET = 0.005
+"""Noise, as a share of the motion, below which a good sensor's may as well be told from its quietest bands."""
+
+
+def _only_a_bound(row: RecordScore) -> str:
+    """That a record's noise may be far lower than told, and what would tell it."""
+    return (
+        f"{row.record.name}: its sensors' noise, {row.noise_nrmse:.2g} of the motion, is a bound from above: too few "
+        f"sensors or samples, and nothing that repeats, so it was told from {row.noise.method}, where the structure "
+        "may move, too; five sensors and 4096 samples, or three periods of a multisine, tell it"
+    )
 
 
 RATTLING = 0.1
