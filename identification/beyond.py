@@ -23,6 +23,7 @@ from identification.exchange import fit_at
 from identification.fit import Fit
 from identification.hypothesis import free_place
 from identification.in_its_place import judged_beside
+from identification.kept_aside import KeptAside
 from identification.noise_left import NOISE_NEAR
 from identification.reached import NOISE_REACHED
 from identification.scene import scenes
@@ -33,6 +34,12 @@ from models.general_laws import GENERAL_LAWS
 
 WORTH_A_FIT = 6.0
 """Logarithm of the odds that a linear step has to promise a general law beside an effect, for a fit in its place."""
+
+
+LEAST_WHERE_MISSED = 3.0
+"""Logarithm of the odds from which a general law stands for one of another kind where what was learnt does not hold on
+a record kept aside, which speaks against every law of the library alike. Of nine true effects none let a general law
+come first at all, whatever the odds."""
 
 
 NEAR_BEST = 0.5
@@ -47,11 +54,24 @@ class Beyond:
         replaced: effects in whose place it does.
         stood: the fit of the model with them.
         row: the general law.
+        by: logarithm of the odds for it.
     """
 
     replaced: tuple[Effect, ...]
     stood: Fit
     row: Ranked
+    by: float
+
+    @property
+    def in_words(self) -> str:
+        """What it does better than what it replaces, as the reason for a verdict."""
+        names, law = " with ".join(effect.label() for effect in self.replaced), self.row.effect
+        one = "" if len(self.replaced) == 1 else " by itself"
+        return (
+            f"unexplained after all: {names} comes nearest, but in its place {law.label()}{one} leaves "
+            f"{self.row.fit.ratio:.3g} times the noise instead of {self.stood.ratio:.3g}: {law.in_words()}, and no "
+            "kind of the library does that"
+        )
 
 
 def is_beyond_library(session: Session, calibrated: Fit, final: Fit) -> bool:
@@ -63,24 +83,35 @@ def is_beyond_library(session: Session, calibrated: Fit, final: Fit) -> bool:
         final: the model that stands, fitted to a part of the records.
     """
     found = law_beyond(session, calibrated, final)
-    if found is None:
+    if found is None or found.by < LEAST_EVIDENCE:
+        session.nearly = None if found is None else (found.by, found.in_words)
         return False
-    names, law = " with ".join(effect.label() for effect in found.replaced), found.row.effect
-    one = "" if len(found.replaced) == 1 else " by itself"
-    session.decide(
-        f"unexplained after all: {names} comes nearest, but in its place {law.label()}{one} leaves "
-        f"{found.row.fit.ratio:.3g} times the noise instead of {found.stood.ratio:.3g}: {law.in_words()}, and no kind "
-        "of the library does that"
-    )
+    session.decide(found.in_words)
+    session.is_beyond = True
+    return True
+
+
+def is_beyond_where_missed(session: Session, kept: KeptAside) -> bool:
+    """Whether a general law that was not clearly better stands where what was learnt does not hold; told.
+
+    Args:
+        session: with what ``is_beyond_library`` has found; told.
+        kept: what the model that stands is worth on records kept aside, with other numbers too.
+    """
+    by, words = session.nearly or (0.0, "")
+    if kept.holds or by < LEAST_WHERE_MISSED:
+        return False
+    session.decide(f"{words}; nor does what was learnt hold on {' and '.join(kept.missed)}")
     session.is_beyond = True
     return True
 
 
 def law_beyond(session: Session, calibrated: Fit, final: Fit) -> Beyond | None:
-    """A general law that explains the records clearly better than an effect, or than two with more numbers; or None.
+    """A general law that explains the records better than an effect, or clearly better than two with more numbers.
 
-    Far from the noise, as on real structures, all models miss, and a curve of several numbers is always nearer: there
-    nothing is asked, and what does not reach the noise itself is no such law.
+    Of those that do not clearly better than an effect, the one with the best odds; None where there is none. Far from
+    the noise, as on real structures, all models miss, and a curve of several numbers is always nearer: there nothing is
+    asked, and what does not reach the noise itself is no such law.
 
     Args:
         session: with the records.
@@ -91,19 +122,24 @@ def law_beyond(session: Session, calibrated: Fit, final: Fit) -> Beyond | None:
     along = [index for index, effect in enumerate(effects) if "position" in effect.places]
     if not session.fitting.timed or not along or final.ratio > NOISE_NEAR:
         return None
+    nearly: Beyond | None = None
     for index in along:
-        found = _in_place_of(session, calibrated, final, index, WORTH_A_FIT)
-        if found is not None and found.by >= LEAST_EVIDENCE:
-            return Beyond((effects[index],), found.stood.fit, found.first)
+        ahead = _in_place_of(session, calibrated, final, index, WORTH_A_FIT)
+        if ahead is None:
+            continue
+        found = Beyond((effects[index],), ahead.stood.fit, ahead.first, ahead.by)
+        if ahead.by >= LEAST_EVIDENCE:
+            return found
+        nearly = max(nearly or found, found, key=lambda each: each.by)
     for other in along if len(along) > 1 else []:
         less = fit_without(session, calibrated, final, other)
         if less is None:
             continue
         for kept in (index for index in along if index != other):
-            row = _in_place_of_two(session, calibrated, final, less, kept, other)
-            if row is not None:
-                return Beyond((effects[kept], effects[other]), final, row)
-    return None
+            alone = _in_place_of_two(session, calibrated, final, less, kept, other)
+            if alone is not None:
+                return Beyond((effects[kept], effects[other]), final, *alone)
+    return nearly
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,8 +192,12 @@ def _in_place_of(session: Session, calibrated: Fit, model: Fit, index: int, leas
     return ahead
 
 
-def _in_place_of_two(session: Session, calibrated: Fit, final: Fit, less: Fit, kept: int, other: int) -> Ranked | None:
+def _in_place_of_two(
+    session: Session, calibrated: Fit, final: Fit, less: Fit, kept: int, other: int
+) -> tuple[Ranked, float] | None:
     """A general law in the place of one of two effects, without the other, that is clearly better with fewer numbers.
+
+    With the logarithm of the odds for it.
 
     A law that is none of the library's may take two of them to be met.
 
@@ -176,8 +216,8 @@ def _in_place_of_two(session: Session, calibrated: Fit, final: Fit, less: Fit, k
         return None
     effects = [final.hypothesis.effects[index] for index in (kept, other)]
     fewer = sum(map(_n_numbers, effects)) - _n_numbers(ahead.first.effect)
-    better = log_fit(ahead.first.fit, scale) - log_fit(final, scale)
-    return ahead.first if better + log(SIMPLER) * fewer >= LEAST_EVIDENCE else None
+    better = log_fit(ahead.first.fit, scale) - log_fit(final, scale) + log(SIMPLER) * fewer
+    return (ahead.first, better) if better >= LEAST_EVIDENCE else None
 
 
 def _n_numbers(effect: Effect) -> int:

@@ -23,7 +23,7 @@ from identification.acceptance import (
 from identification.alone import one_alone
 from identification.anew import looked_for_anew
 from identification.assess import with_starts
-from identification.beyond import is_beyond_library
+from identification.beyond import is_beyond_library, is_beyond_where_missed
 from identification.calibrate import calibrate, strained, unknowns_of
 from identification.carried import carried_by_best, carried_by_calibrated, excused
 from identification.conclude import concluded, one_set_of_numbers, settled
@@ -185,7 +185,7 @@ def _searched(
     kept = kept_aside(session, given, last.hypothesis, holdout)
     if verdict == "missing_effect":
         kept = with_other_numbers(session, last, kept)
-        if refuted(session, chain[0], final, last, kept, rounds):
+        if is_beyond_where_missed(session, kept) or refuted(session, chain[0], final, last, kept, rounds):
             verdict, final = "unexplained", chain[0]
             last = settled(session, final)
             calibrated = kept_aside(session, given, last.hypothesis, holdout)

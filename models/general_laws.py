@@ -252,21 +252,14 @@ class Memory(GeneralLaw):
     def trials(cls, scene: Scene) -> Iterator[Self]:
         """3 and 30 % of the excitation at the largest displacement, from fast to slow."""
         for share in SHARES:
-            for time in cls._times(scene):
+            for time in _times(scene):
                 yield cls(scene.place, share * scene.force / scene.displacement, time)
 
     @classmethod
     def pieces(cls, scene: Scene) -> Iterator[Self]:
         """Weak ones, from fast to slow."""
-        for time in cls._times(scene):
+        for time in _times(scene):
             yield cls(scene.place, SHARES[0] * scene.force / scene.displacement, time)
-
-    @classmethod
-    def _times(cls, scene: Scene) -> list[float]:
-        """A third of a radian of the third mode's motion to three of the first's, s."""
-        freqs = scene.natural_freqs[:3] or (1.0 / scene.duration,)
-        slow, fast = 3.0 / (2.0 * pi * freqs[0]), 1.0 / (3.0 * 2.0 * pi * freqs[-1])
-        return [fast * (slow / fast) ** (i / (N_TIMES - 1)) for i in range(N_TIMES)]
 
     @staticmethod
     def law(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004
@@ -283,10 +276,77 @@ class Memory(GeneralLaw):
         return f"a spring whose force fades within {1e3 * self.relaxation_time:.3g} ms, neither spring nor dashpot"
 
 
+@dataclass(frozen=True)
+class Lag(_Curve):
+    """A spring, a dashpot and a force with a memory, each of either sign: any linear law that remembers for one time.
+
+    A spring k that answers later by T is nearly one: the spring, and a memory of -2 k for T / 2 (Pade, order 1).
+
+    Attributes:
+        reach: the largest displacement from rest, m.
+        rest: m.
+        speed: rms, m/s.
+        relaxation_time: of the memory, s.
+    """
+
+    kind: ClassVar[str] = "linear force that lags"
+    source: ClassVar[str] = "W. N. Findley, J. S. Lai, K. Onaran, Creep and Relaxation (1976), section 5.4"
+    shapes: ClassVar[tuple[tuple[float, ...], ...]] = ((1.0, 0.0, 1.0), (1.0, 0.0, -2.0), (0.0, 1.0, 1.0))
+
+    reach: float = parameter("d", "m", fitted=False, default=1.0)
+    rest: float = parameter("q_0", "m", scale="linear", fitted=False, default=0.0)
+    speed: float = parameter("v_1", "m/s", fitted=False, default=1.0)
+    relaxation_time: float = parameter("tau", "s", lower=1e-6, default=1.0)
+
+    @classmethod
+    def with_values(cls, scene: Scene, values: Sequence[float], relaxation_time: float = 1.0) -> Self:
+        """Over the largest displacement from rest and the rms speed, for a time in s."""
+        return cls(
+            scene.place, scene.force, tuple(values), scene.displacement, scene.rest, scene.velocity, relaxation_time
+        )
+
+    @classmethod
+    def trials(cls, scene: Scene) -> Iterator[Self]:
+        """Every shape, from fast to slow."""
+        for trial in super().trials(scene):
+            for time in _times(scene):
+                yield cls.with_values(scene, trial.values, time)
+
+    @classmethod
+    def pieces(cls, scene: Scene) -> Iterator[Self]:
+        """A weak spring, a weak dashpot, and weak memories from fast to slow."""
+        spring, dashpot, memory = ([SHARES[0] if i == one else 0.0 for i in range(3)] for one in range(3))
+        yield cls.with_values(scene, spring)
+        yield cls.with_values(scene, dashpot)
+        for time in _times(scene):
+            yield cls.with_values(scene, memory, time)
+
+    @staticmethod
+    def law(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004
+        """Force, N, with p = (force, values of spring, dashpot and memory, reach, rest, speed, relaxation_time)."""
+        return -p[0] * ((p[1] * (q - p[5]) + p[3] * z) / p[4] + p[2] * v / p[6])
+
+    @staticmethod
+    def rate(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004
+        """dz/dt, m/s, with the same numbers."""
+        return v - z / p[7]
+
+    def in_words(self) -> str:
+        """What it does."""
+        return f"a linear force that remembers the motion for {1e3 * self.relaxation_time:.3g} ms"
+
+
+def _times(scene: Scene) -> list[float]:
+    """Relaxation times, s: a third of a radian of the third mode's motion to three of the first's."""
+    freqs = scene.natural_freqs[:3] or (1.0 / scene.duration,)
+    slow, fast = 3.0 / (2.0 * pi * freqs[0]), 1.0 / (3.0 * 2.0 * pi * freqs[-1])
+    return [fast * (slow / fast) ** (i / (N_TIMES - 1)) for i in range(N_TIMES)]
+
+
 N_TIMES = 5
 """Relaxation times that are tried."""
 
 GENERAL_LAWS: dict[str, type[GeneralLaw]] = {
-    kind.kind: kind for kind in (SpeedCurve, SpringCurve, DampingCurve, FrictionCurve, Memory)
+    kind.kind: kind for kind in (SpeedCurve, SpringCurve, DampingCurve, FrictionCurve, Memory, Lag)
 }
 """Name -> class."""

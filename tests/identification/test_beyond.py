@@ -5,9 +5,17 @@ from dataclasses import replace
 import pytest
 from trial_records import REFERENCE, beam_session, found_with
 
-from identification.beyond import _in_place_of_two, is_beyond_library, law_beyond, promised
-from identification.evidence import misfit_of
+from identification.beyond import (
+    LEAST_WHERE_MISSED,
+    _in_place_of_two,
+    is_beyond_library,
+    is_beyond_where_missed,
+    law_beyond,
+    promised,
+)
+from identification.evidence import LEAST_EVIDENCE, misfit_of
 from identification.hypothesis import Hypothesis
+from identification.kept_aside import KeptAside
 from identification.scene import scenes
 from models.effects import Place
 from models.effects.absorber import Absorber
@@ -17,7 +25,7 @@ from models.effects.point_damping import PointDamping
 from models.effects.point_mass import PointMass
 from models.effects.point_stiffness import PointStiffness
 from models.effects.squeeze_film import SqueezeFilm
-from models.general_laws import DampingCurve, FrictionCurve, Memory, SpeedCurve, SpringCurve
+from models.general_laws import DampingCurve, FrictionCurve, Lag, Memory, SpeedCurve, SpringCurve
 
 THERE = Place(position=0.86)
 RELAXING = Memory(THERE, stiffness=3e3, relaxation_time=8e-3)
@@ -64,6 +72,26 @@ def test_two_effects_that_meet_one_law_together_are_held_against_it():
     assert "force with a memory at 0.86" in told
 
 
+def test_what_is_nearly_beyond_is_so_where_a_record_kept_aside_is_missed():
+    session = beam_session(replace(RELAXING, stiffness=400.0))
+
+    assert not is_beyond_library(session, found_with(session), found_with(session, HYSTERESIS))
+
+    assert LEAST_WHERE_MISSED < session.nearly[0] < LEAST_EVIDENCE
+    missed = KeptAside(missed={"hold": "what was learnt does not hold there"})
+    assert not is_beyond_where_missed(session, KeptAside())
+    assert not is_beyond_where_missed(session, replace(missed, explained=True))
+    assert not session.decisions
+    assert is_beyond_where_missed(session, missed)
+    assert session.is_beyond
+    assert session.decisions[0].endswith("no kind of the library does that; nor does what was learnt hold on hold")
+
+
+def test_what_a_record_kept_aside_misses_alone_is_not_beyond():
+    session = beam_session()
+    assert not is_beyond_where_missed(session, KeptAside(missed={"hold": "it does not hold there"}))
+
+
 def test_a_law_that_is_right_alone_takes_the_place_of_two_with_more_numbers():
     session = beam_session(RELAXING)
     calibrated, law = found_with(session), found_with(session, RELAXING)
@@ -71,8 +99,9 @@ def test_a_law_that_is_right_alone_takes_the_place_of_two_with_more_numbers():
     pair = replace(nearly, hypothesis=replace(law.hypothesis, effects=(HYSTERESIS, DASHPOT)))
     less = found_with(session, HYSTERESIS)
 
-    row = _in_place_of_two(session, calibrated, pair, less, 0, 1)
+    row, by = _in_place_of_two(session, calibrated, pair, less, 0, 1)
 
+    assert by >= LEAST_EVIDENCE
     assert row.effect.kind == "force with a memory"
     few = replace(nearly, hypothesis=replace(law.hypothesis, effects=(SPRING, DASHPOT)))
     assert _in_place_of_two(session, calibrated, few, found_with(session, SPRING), 0, 1) is None
@@ -107,6 +136,14 @@ def test_a_law_over_speed_or_displacement_is_none_of_the_library(kind, values, n
     hidden = kind.with_values(scene_there(), [0.01 * value for value in values])
     _, found = asked(hidden, named=[named])
     assert found.row.effect.kind == kind.kind
+
+
+def test_a_spring_that_answers_late_is_none_of_the_library():
+    """By 6 ms: a spring and, at low frequencies, a dashpot that drives."""
+    hidden = Lag.with_values(scene_there(), (0.01, 0.0, -0.02), 3e-3)
+    _, found = asked(hidden, named=[SPRING])
+    assert found.row.effect.kind == "linear force that lags"
+    assert found.row.effect.relaxation_time == pytest.approx(3e-3, rel=0.1)
 
 
 def test_what_a_kind_of_the_library_does_that_was_lost_is_not_beyond_it():

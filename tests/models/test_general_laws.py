@@ -16,6 +16,7 @@ from models.general_laws import (
     SPEEDS,
     DampingCurve,
     FrictionCurve,
+    Lag,
     Memory,
     SpeedCurve,
     SpringCurve,
@@ -105,12 +106,47 @@ def test_a_force_with_a_memory_is_a_dashpot_when_slow_and_a_spring_when_fast(tur
         assert loss == pytest.approx(memory.stiffness * memory.relaxation_time * omega, rel=1e-5)
 
 
+def stiffness_of(law, omega):
+    """(complex) stiffness of a law that is linear, moved as exp(i w t) about rest, N/m."""
+    by_q, by_v = (law.rate(0.0, *motion, 0.0, law.numbers()) for motion in ((1.0, 0.0), (0.0, 1.0)))
+    by_z = law.rate(0.0, 0.0, 0.0, 1.0, law.numbers())
+    z = (by_q + 1j * omega * by_v) / (1j * omega - by_z)
+    rest = getattr(law, "rest", 0.0)
+    at_rest = force(law, rest, 0.0)
+    parts = (force(law, rest + 1.0, 0.0), force(law, rest, 1.0), force(law, rest, 0.0, 1.0))
+    by_q, by_v, by_z = (part - at_rest for part in parts)
+    return -(by_q + 1j * omega * by_v + z * by_z)
+
+
+@pytest.mark.parametrize("omega", [5.0, 50.0, 200.0])
+def test_a_force_that_lags_holds_a_spring_that_answers_late(omega):
+    """To second order in w T, by the Pade approximant of exp(-i w T)."""
+    late = 5e-3
+    law = Lag.with_values(SCENE, (0.2, 0.0, -0.4), late / 2.0)
+    spring, turn = 0.2 * SCENE.force / SCENE.displacement, omega * late
+    assert stiffness_of(law, omega) == pytest.approx(spring * (1.0 - 0.5j * turn) / (1.0 + 0.5j * turn), rel=1e-9)
+    assert abs(stiffness_of(law, omega) / spring - np.exp(-1j * turn)) < turn**3 / 12.0 + 1e-9
+
+
+@pytest.mark.parametrize("omega", [5.0, 50.0, 500.0])
+def test_a_force_that_lags_holds_a_memory_and_is_the_sum_of_its_pieces(omega):
+    spring, dashpot, *memories = Lag.pieces(SCENE)
+    for memory in memories:
+        time = memory.relaxation_time
+        alone = Memory(SCENE.place, SHARES[0] * SCENE.force / SCENE.displacement, time)
+        assert stiffness_of(memory, omega) == pytest.approx(stiffness_of(alone, omega), rel=1e-9)
+        law = Lag.with_values(SCENE, (-0.03, 0.06, 0.09), time)
+        parts = (-stiffness_of(spring, omega), 2.0 * stiffness_of(dashpot, omega), 3.0 * stiffness_of(memory, omega))
+        assert stiffness_of(law, omega) == pytest.approx(sum(parts), rel=1e-9)
+
+
 def test_none_of_them_is_a_kind_of_the_library():
     assert not set(GENERAL_LAWS) & set(EFFECTS)
 
 
 def test_relaxation_times_lie_about_the_periods_of_the_modes():
     times = sorted({law.relaxation_time for law in Memory.pieces(SCENE)})
+    assert times == sorted({law.relaxation_time for law in Lag.trials(SCENE)})
     assert times[0] == pytest.approx(1.0 / (3.0 * 2.0 * pi * 50.0))
     assert times[-1] == pytest.approx(3.0 / (2.0 * pi * 9.0))
     without = replace(SCENE, natural_freqs=())
