@@ -276,7 +276,7 @@ def is_of_one_law(session: Session, last: Fit) -> bool:
 def verdict_of(
     session: Session, calibrated: Fit, final: Fit, *, taken_out: bool = False, looked: bool = True
 ) -> Verdict:
-    """What the end is called, decided and told.
+    """What the end is called, decided and told; where a law beyond the library was found, that is told already.
 
     Args:
         session: told.
@@ -285,6 +285,8 @@ def verdict_of(
         taken_out: whether an effect that explained something was taken out again, because its numbers are not told.
         looked: whether any effect was asked for.
     """
+    if session.is_beyond:
+        return "unexplained"
     has_effects = bool(final.hypothesis.effects)
     share = takes_away(calibrated, final) if has_effects else 0.0
     enough = EXPLAINED_NEAR if final.ratio <= NOISE_NEAR else EXPLAINED_FAR

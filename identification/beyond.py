@@ -11,6 +11,7 @@ Source: the score test, C. R. Rao, Proc. Camb. Phil. Soc. 44 (1948) 50; encompas
 Econometrica 54 (1986) 657: a model that stands explains what its rivals find in the same data.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import log
 
@@ -18,15 +19,23 @@ import numpy as np
 
 from identification.acceptance import fit_without
 from identification.evaluate import Evaluator
-from identification.evidence import LEAST_EVIDENCE, SIMPLER, Ranked, log_fit, misfit_of, with_evidence
+from identification.evidence import (
+    LEAST_EVIDENCE,
+    SIMPLER,
+    Ranked,
+    log_fit,
+    misfit_of,
+    ranked_together,
+    with_evidence,
+)
 from identification.exchange import fit_at
 from identification.fit import Fit
 from identification.hypothesis import free_place
 from identification.in_its_place import judged_beside
 from identification.kept_aside import KeptAside
 from identification.noise_left import NOISE_NEAR
-from identification.reached import NOISE_REACHED
-from identification.scene import scenes
+from identification.reached import NOISE_DOUBTED, NOISE_REACHED
+from identification.scene import scenes, valley
 from identification.screen import Projection
 from identification.session import Session
 from models.effects.protocol import Effect, Place
@@ -106,6 +115,63 @@ def is_beyond_where_missed(session: Session, kept: KeptAside) -> bool:
     return True
 
 
+def with_what_meets_the_noise(session: Session, base: Fit, ranked: list[Ranked]) -> list[Ranked]:
+    """The ranking, held against laws beyond the library where no kind of it reaches the noise by itself; told.
+
+    A general law has more ways down than any kind of the library. Where one reaches the noise, either a kind that had
+    been lost is found from its numbers of the rig, or what is missing is one law that the library does not hold
+    (``Session.is_beyond``), and no second effect is looked for beside an imitation of it.
+
+    Args:
+        session: with the records, told.
+        base: the model that the round was looked for from.
+        ranked: of the round.
+    """
+    if base.hypothesis.effects or base.ratio <= NOISE_DOUBTED or not ranked or ranked[0].fit.ratio <= NOISE_REACHED:
+        return ranked
+    if not session.fitting.timed:
+        return ranked
+    for row in _one_a_valley(ranked)[:MOST_PLACES]:
+        rows = _rows_in_place(session, base, row.fit, 0, WORTH_A_FIT)
+        if not rows:
+            continue
+        ahead = _ahead(rows)
+        if ahead is None:
+            return ranked_together([other for other in rows if not _is_general(other)], ranked)
+        left = _beyond_noise(ahead.first.fit) / max(_beyond_noise(ranked[0].fit), 1.0)
+        if ahead.by >= LEAST_EVIDENCE and left <= LEAST_LEFT:
+            session.decide(Beyond((ahead.stood.effect,), ahead.stood.fit, ahead.first, ahead.by).in_words)
+            session.is_beyond = True
+            break
+    return ranked
+
+
+MOST_PLACES = 3
+"""Places along the beam to which suspects have come that are tried with laws beyond the library."""
+
+
+LEAST_LEFT = 0.1
+"""Share of the squared misfit beyond the noise, as the best of the library leaves it, up to which a general law that
+leaves it ends the search: a small second effect may be all that is left, of which a curve takes some."""
+
+
+def _beyond_noise(found: Fit) -> float:
+    """Squared misfit beyond the noise."""
+    return max(found.chi2 - found.n_data, 0.0)
+
+
+def _one_a_valley(ranked: Sequence[Ranked]) -> list[Ranked]:
+    """The refitted rows of kinds that may act anywhere along the beam, the best in each valley."""
+    kept: list[Ranked] = []
+    for row in ranked:
+        there, reach = row.effect.place.position, valley(row.fit.hypothesis.rig)
+        if not row.refitted or there is None or "position" not in row.effect.places:
+            continue
+        if all(abs(there - (other.effect.place.position or 0.0)) >= reach for other in kept):
+            kept.append(row)
+    return kept
+
+
 def law_beyond(session: Session, calibrated: Fit, final: Fit) -> Beyond | None:
     """A general law that explains the records better than an effect, or clearly better than two with more numbers.
 
@@ -164,8 +230,38 @@ def _in_place_of(session: Session, calibrated: Fit, model: Fit, index: int, leas
         index: of the effect.
         least: logarithm of the odds that a linear step has to promise.
     """
-    if not session.has_time_for("a look at laws beyond the library"):
+    ahead = _ahead(_rows_in_place(session, calibrated, model, index, least))
+    if ahead is not None:
+        session.progress(f"{ahead.first.effect.label()} against {ahead.stood.effect.label()}: odds of e^{ahead.by:.1f}")
+    return ahead
+
+
+def _ahead(rows: Sequence[Ranked]) -> _Ahead | None:
+    """The general law that is first, and the best of the library behind it; None where the library is first."""
+    if not rows or not _is_general(rows[0]):
         return None
+    return _Ahead(rows[0], next(row for row in rows if not _is_general(row)))
+
+
+def _is_general(row: Ranked) -> bool:
+    return row.effect.kind in GENERAL_LAWS
+
+
+def _rows_in_place(session: Session, calibrated: Fit, model: Fit, index: int, least: float) -> list[Ranked]:
+    """By evidence, a general law that reaches the noise in an effect's place, that, and the library's kinds there.
+
+    Args:
+        session: with the records.
+        calibrated: the model without effects, for its unknowns.
+        model: with the effect.
+        index: of the effect.
+        least: logarithm of the odds that a linear step has to promise.
+
+    Returns:
+        the rows; empty where no general law reaches the noise.
+    """
+    if not session.has_time_for("a look at laws beyond the library"):
+        return []
     effect, bare = model.hypothesis.effects[index], model.hypothesis.without_effect(index)
     try:
         leader = fit_at(session, calibrated, bare.with_effects(effect))
@@ -174,22 +270,16 @@ def _in_place_of(session: Session, calibrated: Fit, model: Fit, index: int, leas
         session.progress(f"laws beyond the library beside {effect.label()}: a step promises odds of e^{best:.1f}")
         kinds = {name: GENERAL_LAWS[name] for name, odds in promise.items() if odds >= max(least, NEAR_BEST * best)}
         if not kinds:
-            return None
+            return []
         base, fitting = fit_at(session, calibrated, bare), session.fitting
         first = judged_beside(leader, fitting, base, (), kinds, session.progress)[0]
-        if first.effect.kind not in kinds or first.fit.ratio > NOISE_REACHED:
-            return None
+        if not _is_general(first) or first.fit.ratio > NOISE_REACHED:
+            return []
         library = session.kinds_at_a_place(bare.rig)
         rows = judged_beside(first.fit, fitting, base, [effect], library, session.progress)
     except ArithmeticError:  # without the effect nothing stands
-        return None
-    rows = with_evidence([*(row for row in rows if row.refitted), Ranked.of(leader)])
-    if rows[0].effect.kind not in kinds:
-        return None
-    stood = next(row for row in rows if row.effect.kind not in kinds)
-    ahead = _Ahead(rows[0], stood)
-    session.progress(f"{ahead.first.effect.label()} against {stood.effect.label()}: odds of e^{ahead.by:.1f}")
-    return ahead
+        return []
+    return with_evidence([*(row for row in rows if row.refitted), Ranked.of(leader)])
 
 
 def _in_place_of_two(

@@ -23,7 +23,7 @@ from identification.acceptance import (
 from identification.alone import one_alone
 from identification.anew import looked_for_anew
 from identification.assess import with_starts
-from identification.beyond import is_beyond_library, is_beyond_where_missed
+from identification.beyond import is_beyond_library, is_beyond_where_missed, with_what_meets_the_noise
 from identification.calibrate import calibrate, strained, unknowns_of
 from identification.carried import carried_by_best, carried_by_calibrated, excused
 from identification.conclude import concluded, one_set_of_numbers, settled
@@ -174,7 +174,8 @@ def _searched(
         ranked = finite_first(session, with_other_starts(session, chain[-1], ranked))
         rounds.append(told_apart(session, ranked))
         chain, rounds = reweigh(session, chain, rounds)
-        chosen = accepted(session, chain[-1], rounds[-1])
+        rounds[-1] = with_what_meets_the_noise(session, chain[-1], rounds[-1])
+        chosen = None if session.is_beyond else accepted(session, chain[-1], rounds[-1])
         if chosen is None:
             break
         chain = _with(session, chain, chosen)

@@ -12,10 +12,12 @@ from identification.beyond import (
     is_beyond_where_missed,
     law_beyond,
     promised,
+    with_what_meets_the_noise,
 )
-from identification.evidence import LEAST_EVIDENCE, misfit_of
+from identification.evidence import LEAST_EVIDENCE, Ranked, misfit_of, with_evidence
 from identification.hypothesis import Hypothesis
 from identification.kept_aside import KeptAside
+from identification.reached import NOISE_REACHED
 from identification.scene import scenes
 from models.effects import Place
 from models.effects.absorber import Absorber
@@ -25,7 +27,7 @@ from models.effects.point_damping import PointDamping
 from models.effects.point_mass import PointMass
 from models.effects.point_stiffness import PointStiffness
 from models.effects.squeeze_film import SqueezeFilm
-from models.general_laws import DampingCurve, FrictionCurve, Lag, Memory, SpeedCurve, SpringCurve
+from models.general_laws import GENERAL_LAWS, DampingCurve, FrictionCurve, Lag, Memory, SpeedCurve, SpringCurve
 
 THERE = Place(position=0.86)
 RELAXING = Memory(THERE, stiffness=3e3, relaxation_time=8e-3)
@@ -90,6 +92,53 @@ def test_what_is_nearly_beyond_is_so_where_a_record_kept_aside_is_missed():
 def test_what_a_record_kept_aside_misses_alone_is_not_beyond():
     session = beam_session()
     assert not is_beyond_where_missed(session, KeptAside(missed={"hold": "it does not hold there"}))
+
+
+def round_of(session, *named):
+    """The ranking of a round in which these were refitted, each by itself, the best first."""
+    return with_evidence([Ranked.of(found_with(session, each)) for each in named])
+
+
+def test_a_law_that_meets_the_noise_where_the_library_does_not_ends_the_search():
+    session = beam_session(Lag.with_values(scene_there(), (0.05, 0.0, -0.1), 3e-3))
+    ranked = round_of(session, SPRING)
+    assert ranked[0].fit.ratio > NOISE_REACHED
+
+    assert with_what_meets_the_noise(session, found_with(session), ranked) == ranked
+
+    assert session.is_beyond
+    (told,) = session.decisions
+    assert told.startswith("unexplained after all: point_stiffness at 0.6")  # where it imitates most
+    assert "linear force that lags at 0.86" in told
+
+
+def test_a_law_beside_which_a_small_second_effect_may_be_left_does_not_end_the_search():
+    session = beam_session(
+        Lag.with_values(scene_there(), (0.02, 0.0, -0.04), 3e-3), PointMass(Place(position=1.3), mass=0.002)
+    )
+    ranked = round_of(session, SPRING)
+    assert with_what_meets_the_noise(session, found_with(session), ranked) == ranked
+    assert not session.is_beyond
+    assert not session.decisions
+
+
+def test_a_kind_that_was_lost_is_found_where_a_general_law_meets_the_noise():
+    session = beam_session(replace(FRICTION, friction_force=0.05))
+    ranked = round_of(session, DASHPOT)
+    assert ranked[0].fit.ratio > NOISE_REACHED
+
+    first, *others = with_what_meets_the_noise(session, found_with(session), ranked)
+
+    assert not session.is_beyond
+    assert first.effect.kind == "coulomb_friction"
+    assert first.effect.friction_force == pytest.approx(0.05, rel=0.05)
+    assert not {row.effect.kind for row in others} & set(GENERAL_LAWS)
+
+
+def test_a_round_that_reaches_the_noise_is_left_as_it_is():
+    session = beam_session(FRICTION)
+    ranked = round_of(session, FRICTION)
+    assert with_what_meets_the_noise(session, found_with(session), ranked) is ranked
 
 
 def test_a_law_that_is_right_alone_takes_the_place_of_two_with_more_numbers():
