@@ -35,7 +35,7 @@ from identification.in_its_place import judged_beside
 from identification.kept_aside import KeptAside
 from identification.noise_left import NOISE_NEAR
 from identification.reached import NOISE_DOUBTED, NOISE_REACHED
-from identification.scene import scenes, valley
+from identification.scene import scenes
 from identification.screen import Projection
 from identification.session import Session
 from models.effects.protocol import Effect, Place
@@ -120,7 +120,8 @@ def with_what_meets_the_noise(session: Session, base: Fit, ranked: list[Ranked])
 
     A general law has more ways down than any kind of the library. Where one reaches the noise, either a kind that had
     been lost is found from its numbers of the rig, or what is missing is one law that the library does not hold
-    (``Session.is_beyond``), and no second effect is looked for beside an imitation of it.
+    (``Session.is_beyond``), and no second effect is looked for beside an imitation of it. It begins where the best of
+    those that may act anywhere has come to, and finds its own place from there.
 
     Args:
         session: with the records, told.
@@ -129,25 +130,21 @@ def with_what_meets_the_noise(session: Session, base: Fit, ranked: list[Ranked])
     """
     if base.hypothesis.effects or base.ratio <= NOISE_DOUBTED or not ranked or ranked[0].fit.ratio <= NOISE_REACHED:
         return ranked
-    if not session.fitting.timed:
+    anywhere = (row for row in ranked if row.refitted and free_place(row.effect))
+    best = next(anywhere, None)
+    if best is None or not session.fitting.timed:
         return ranked
-    for row in _one_a_valley(ranked)[:MOST_PLACES]:
-        rows = _rows_in_place(session, base, row.fit, 0, WORTH_A_FIT)
-        if not rows:
-            continue
-        ahead = _ahead(rows)
-        if ahead is None:
-            return ranked_together([other for other in rows if not _is_general(other)], ranked)
-        left = _beyond_noise(ahead.first.fit) / max(_beyond_noise(ranked[0].fit), 1.0)
-        if ahead.by >= LEAST_EVIDENCE and left <= LEAST_LEFT:
-            session.decide(Beyond((ahead.stood.effect,), ahead.stood.fit, ahead.first, ahead.by).in_words)
-            session.is_beyond = True
-            break
+    rows = _rows_in_place(session, base, best.fit, 0, WORTH_A_FIT)
+    if not rows:
+        return ranked
+    ahead = _ahead(rows)
+    if ahead is None:
+        return ranked_together([row for row in rows if not _is_general(row)], ranked)
+    left = _beyond_noise(ahead.first.fit) / max(_beyond_noise(ranked[0].fit), 1.0)
+    if ahead.by >= LEAST_EVIDENCE and left <= LEAST_LEFT:
+        session.decide(Beyond((ahead.stood.effect,), ahead.stood.fit, ahead.first, ahead.by).in_words)
+        session.is_beyond = True
     return ranked
-
-
-MOST_PLACES = 3
-"""Places along the beam to which suspects have come that are tried with laws beyond the library."""
 
 
 LEAST_LEFT = 0.1
@@ -158,18 +155,6 @@ leaves it ends the search: a small second effect may be all that is left, of whi
 def _beyond_noise(found: Fit) -> float:
     """Squared misfit beyond the noise."""
     return max(found.chi2 - found.n_data, 0.0)
-
-
-def _one_a_valley(ranked: Sequence[Ranked]) -> list[Ranked]:
-    """The refitted rows of kinds that may act anywhere along the beam, the best in each valley."""
-    kept: list[Ranked] = []
-    for row in ranked:
-        there, reach = row.effect.place.position, valley(row.fit.hypothesis.rig)
-        if not row.refitted or there is None or "position" not in row.effect.places:
-            continue
-        if all(abs(there - (other.effect.place.position or 0.0)) >= reach for other in kept):
-            kept.append(row)
-    return kept
 
 
 def law_beyond(session: Session, calibrated: Fit, final: Fit) -> Beyond | None:

@@ -43,6 +43,7 @@ class Listener:
         timed = ("a record",)
 
     not_followed = ""
+    is_beyond = False
 
     def __init__(self, *, is_passing=False, has_left=False, fitting=LOUD, whole=None):
         self.decisions, self.is_passing, self.has_left, self.fitting = [], is_passing, has_left, fitting
@@ -107,6 +108,14 @@ def test_what_neither_reaches_the_noise_nor_predicts_is_no_diagnosis(ratio, miss
 
     told = f"unexplained after all: {MASS.label()} comes nearest, but leaves 1.30 times the noise where fitted, "
     assert session.decisions == ([f"{told}and what was learnt does not hold on burst"] if expected else [])
+
+
+def test_where_a_law_beyond_the_library_was_found_nothing_is_complete():
+    session = Listener()
+    base = fit_with_ratio(1.1, effect=False)
+    assert verdict_of(session, base, base) == "complete"
+    session.is_beyond = True
+    assert verdict_of(session, base, base) == "unexplained"
 
 
 def test_the_error_is_told_where_it_is_not_what_the_lines_leave():
