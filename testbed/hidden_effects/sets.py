@@ -388,8 +388,8 @@ REPORTED = CaseSet(
             22,
             taught="nothing: all are right",
             run="One thread each, beside up to four other processes: its seconds are too high. Ended by hand when "
-            "laws beyond the library had come to be asked for after the first round: the next seed judges that. The case then at "
-            "work is left out after a minute.",
+            "laws beyond the library had come to be asked for after the first round: the next seed judges that. The "
+            "case then at work is left out after a minute.",
             first_kind="wear",
             first_law="one_way_friction",
             n_laws=9,
