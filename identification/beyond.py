@@ -17,7 +17,7 @@ from math import log
 
 import numpy as np
 
-from identification.acceptance import fit_without
+from identification.acceptance import finite_first, fit_without
 from identification.evaluate import Evaluator
 from identification.evidence import (
     LEAST_EVIDENCE,
@@ -34,6 +34,7 @@ from identification.hypothesis import free_place
 from identification.in_its_place import judged_beside
 from identification.kept_aside import KeptAside
 from identification.noise_left import NOISE_NEAR
+from identification.outcome import distinct
 from identification.reached import NOISE_DOUBTED, NOISE_REACHED
 from identification.scene import scenes
 from identification.screen import Projection
@@ -121,7 +122,7 @@ def with_what_meets_the_noise(session: Session, base: Fit, ranked: list[Ranked])
     A general law has more ways down than any kind of the library. Where one reaches the noise, either a kind that had
     been lost is found from its numbers of the rig, or what is missing is one law that the library does not hold
     (``Session.is_beyond``), and no second effect is looked for beside an imitation of it. It begins where the best of
-    those that may act anywhere has come to, and finds its own place from there.
+    the round has come to, if that may act anywhere, and finds its own place from there.
 
     Args:
         session: with the records, told.
@@ -130,18 +131,17 @@ def with_what_meets_the_noise(session: Session, base: Fit, ranked: list[Ranked])
     """
     if base.hypothesis.effects or base.ratio <= NOISE_DOUBTED or not ranked or ranked[0].fit.ratio <= NOISE_REACHED:
         return ranked
-    anywhere = (row for row in ranked if row.refitted and free_place(row.effect))
-    best = next(anywhere, None)
-    if best is None or not session.fitting.timed:
+    if not (session.fitting.timed and ranked[0].refitted and free_place(ranked[0].effect)):
         return ranked
-    rows = _rows_in_place(session, base, best.fit, 0, WORTH_A_FIT)
+    rows = _rows_in_place(session, base, ranked[0].fit, 0, WORTH_A_FIT)
     if not rows:
         return ranked
     ahead = _ahead(rows)
     if ahead is None:
-        return ranked_together([row for row in rows if not _is_general(row)], ranked)
+        found = distinct(ranked_together([row for row in rows if not _is_general(row)], ranked))
+        return finite_first(session, found)
     left = _beyond_noise(ahead.first.fit) / max(_beyond_noise(ranked[0].fit), 1.0)
-    if ahead.by >= LEAST_EVIDENCE and left <= LEAST_LEFT:
+    if ahead.by >= LEAST_EVIDENCE and left <= LEAST_LEFT and session.holds(ahead.first.fit.hypothesis):
         session.decide(Beyond((ahead.stood.effect,), ahead.stood.fit, ahead.first, ahead.by).in_words)
         session.is_beyond = True
     return ranked

@@ -133,6 +133,17 @@ def test_a_kind_that_was_lost_is_found_where_a_general_law_meets_the_noise():
     assert first.effect.kind == "coulomb_friction"
     assert first.effect.friction_force == pytest.approx(0.05, rel=0.05)
     assert not {row.effect.kind for row in others} & set(GENERAL_LAWS)
+    assert len({(row.effect.kind, row.effect.place) for row in (first, *others)}) == 1 + len(others)
+
+
+def test_nothing_is_asked_where_the_best_of_a_round_acts_at_one_place_only():
+    session = beam_session(Lag.with_values(scene_there(), (0.05, 0.0, -0.1), 3e-3))
+    sleeve = REFERENCE.sleeves[1]
+    there = Place(sleeve=sleeve.name, position=sleeve.position)
+    ranked = [*round_of(session, SqueezeFilm(there, damping=2.0)), *round_of(session, SPRING)]
+    assert ranked[0].fit.ratio > NOISE_REACHED
+    assert with_what_meets_the_noise(session, found_with(session), ranked) is ranked
+    assert not session.is_beyond
 
 
 def test_a_round_that_reaches_the_noise_is_left_as_it_is():
