@@ -96,8 +96,7 @@ def is_beyond_library(session: Session, calibrated: Fit, final: Fit) -> bool:
     if found is None or found.by < LEAST_EVIDENCE:
         session.nearly = None if found is None else (found.by, found.in_words)
         return False
-    session.decide(found.in_words)
-    session.is_beyond = True
+    _end(session, found.in_words)
     return True
 
 
@@ -111,9 +110,14 @@ def is_beyond_where_missed(session: Session, kept: KeptAside) -> bool:
     by, words = session.nearly or (0.0, "")
     if kept.holds or by < LEAST_WHERE_MISSED:
         return False
-    session.decide(f"{words}; nor does what was learnt hold on {' and '.join(kept.missed)}")
-    session.is_beyond = True
+    _end(session, f"{words}; nor does what was learnt hold on {' and '.join(kept.missed)}")
     return True
+
+
+def _end(session: Session, words: str) -> None:
+    """The library holds no law that is right: told, and nothing further is looked for."""
+    session.decide(words)
+    session.is_beyond = True
 
 
 def with_what_meets_the_noise(session: Session, base: Fit, ranked: list[Ranked]) -> list[Ranked]:
@@ -142,8 +146,7 @@ def with_what_meets_the_noise(session: Session, base: Fit, ranked: list[Ranked])
         return finite_first(session, found)
     left = _beyond_noise(ahead.first.fit) / max(_beyond_noise(ranked[0].fit), 1.0)
     if ahead.by >= LEAST_EVIDENCE and left <= LEAST_LEFT and session.holds(ahead.first.fit.hypothesis):
-        session.decide(Beyond((ahead.stood.effect,), ahead.stood.fit, ahead.first, ahead.by).in_words)
-        session.is_beyond = True
+        _end(session, Beyond((ahead.stood.effect,), ahead.stood.fit, ahead.first, ahead.by).in_words)
     return ranked
 
 
@@ -175,7 +178,7 @@ def law_beyond(session: Session, calibrated: Fit, final: Fit) -> Beyond | None:
         return None
     nearly: Beyond | None = None
     for index in along:
-        ahead = _in_place_of(session, calibrated, final, index, WORTH_A_FIT)
+        ahead = _ahead(_rows_in_place(session, calibrated, final, index, WORTH_A_FIT))
         if ahead is None:
             continue
         found = Beyond((effects[index],), ahead.stood.fit, ahead.first, ahead.by)
@@ -203,22 +206,6 @@ class _Ahead:
     @property
     def by(self) -> float:
         return self.first.log_evidence - self.stood.log_evidence
-
-
-def _in_place_of(session: Session, calibrated: Fit, model: Fit, index: int, least: float) -> _Ahead | None:
-    """A general law that explains all in an effect's place, before the library's best there; None where none does.
-
-    Args:
-        session: with the records.
-        calibrated: the model without effects, for its unknowns.
-        model: with the effect.
-        index: of the effect.
-        least: logarithm of the odds that a linear step has to promise.
-    """
-    ahead = _ahead(_rows_in_place(session, calibrated, model, index, least))
-    if ahead is not None:
-        session.progress(f"{ahead.first.effect.label()} against {ahead.stood.effect.label()}: odds of e^{ahead.by:.1f}")
-    return ahead
 
 
 def _ahead(rows: Sequence[Ranked]) -> _Ahead | None:
@@ -264,15 +251,16 @@ def _rows_in_place(session: Session, calibrated: Fit, model: Fit, index: int, le
         rows = judged_beside(first.fit, fitting, base, [effect], library, session.progress)
     except ArithmeticError:  # without the effect nothing stands
         return []
-    return with_evidence([*(row for row in rows if row.refitted), Ranked.of(leader)])
+    rows = with_evidence([*(row for row in rows if row.refitted), Ranked.of(leader)])
+    if (ahead := _ahead(rows)) is not None:
+        session.progress(f"{ahead.first.effect.label()} against {ahead.stood.effect.label()}: odds of e^{ahead.by:.1f}")
+    return rows
 
 
 def _in_place_of_two(
     session: Session, calibrated: Fit, final: Fit, less: Fit, kept: int, other: int
 ) -> tuple[Ranked, float] | None:
-    """A general law in the place of one of two effects, without the other, that is clearly better with fewer numbers.
-
-    With the logarithm of the odds for it.
+    """A general law in one of two effects' place that is clearly better without the other, and the odds' logarithm.
 
     A law that is none of the library's may take two of them to be met.
 
@@ -286,7 +274,7 @@ def _in_place_of_two(
     """
     scale = misfit_of(final)
     needed = NEAR_BEST * (log_fit(final, scale) - log_fit(less, scale)) * scale / misfit_of(less)
-    ahead = _in_place_of(session, calibrated, less, kept - (other < kept), max(WORTH_A_FIT, needed))
+    ahead = _ahead(_rows_in_place(session, calibrated, less, kept - (other < kept), max(WORTH_A_FIT, needed)))
     if ahead is None:
         return None
     effects = [final.hypothesis.effects[index] for index in (kept, other)]

@@ -45,7 +45,6 @@ class Noise:
         method: how the sensors' noise was found, in words.
         excitation_method: how the excitation's was found, in words.
         hidden: the excitation fills the whole band and hides its own noise.
-        at_most: the sensors' noise is what even their quietest bands hold, which may be motion.
     """
 
     sensors: FloatArray
@@ -53,7 +52,11 @@ class Noise:
     method: str
     excitation_method: str
     hidden: bool = False
-    at_most: bool = False
+
+    @property
+    def at_most(self) -> bool:
+        """Whether the sensors' noise is what even their quietest bands hold, which may be motion."""
+        return self.method == QUIETEST
 
 
 def estimate_noise(record: Record) -> Noise:
@@ -67,10 +70,7 @@ def estimate_noise(record: Record) -> Noise:
     repeats = block if block and record.n_samples >= 3 * block else None
     density, method = _sensors_density(record, repeats)
     excitation, excitation_method = _excitation_noise(record, repeats)
-    return Noise(
-        np.sqrt(density), excitation or 0.0, method, excitation_method, hidden=excitation is None,
-        at_most=method == QUIETEST,
-    )  # fmt: skip
+    return Noise(np.sqrt(density), excitation or 0.0, method, excitation_method, hidden=excitation is None)
 
 
 def _sensors_density(record: Record, period: int | None) -> tuple[FloatArray, str]:
