@@ -1,6 +1,5 @@
 """Block by block against the whole record, laws that change on the way, and what is carried."""
 
-import time
 from dataclasses import fields, is_dataclass, replace
 
 import numpy as np
@@ -18,6 +17,7 @@ from models.plant import build_plant
 from models.ports import PointLaw, Port
 from models.rig import Excitation, Oscillator, Rig, Sensor
 from models.simulate import Settings, simulate
+from models.stepping import march_on
 
 FS, N, PEAK = 2048.0, 3072, 100.0
 SLEEVE_2 = Place(sleeve="sleeve 2", position=1.0)
@@ -238,15 +238,19 @@ def test_a_motion_without_bound_says_when():
         live.advance(FORCE)
 
 
-def test_a_block_of_a_tenth_of_a_second_costs_no_more_than_a_record():
-    """About as much on a quiet machine; the rest is room for a busy one."""
-    plant, force, size = plant_with(), np.tile(FORCE, 3), 205
-    record, costs = record_of(plant, force, FS), {"whole": [], "live": []}
-    for _ in range(8):
-        live, start = started(plant), time.perf_counter()
-        advanced(live, force, size)
-        costs["live"].append(time.perf_counter() - start)
-        start = time.perf_counter()
-        simulate(plant, record)
-        costs["whole"].append(time.perf_counter() - start)
-    assert min(costs["live"]) < 2.0 * min(costs["whole"])
+@pytest.mark.parametrize("size", [64, 205, 1000])
+def test_every_step_is_marched_once_whatever_the_blocks(monkeypatch, size):
+    """What a block costs is its own samples: no block is lengthened by what came before it."""
+    marched = []
+
+    def counted(*arguments):
+        marched.append((arguments[6], arguments[8].shape[1] - 1))
+        return march_on(*arguments)
+
+    monkeypatch.setattr("models.live.march_on", counted)
+    live = started(plant_with())
+    advanced(live, FORCE, size)
+    steps = (N - 1 - FORCE_REACH) * live.steps_per_sample
+    assert [past for past, _ in marched] == list(np.cumsum([0] + [done for _, done in marched]))[:-1]
+    assert sum(done for _, done in marched) == steps
+    assert max(done for _, done in marched) <= size * live.steps_per_sample
