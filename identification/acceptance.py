@@ -84,20 +84,7 @@ def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
         why = f"takes away only {share:.0%} of the misfit" if little else "the records hardly speak for it"
         session.decide(f"{name} is the best of the library, but {why}: not added")
         return None
-    if not session.holds(best.fit.hypothesis):
-        session.decide(
-            f"{name} explains what was fitted, but with it the motion leaves the finite numbers in the rest of the "
-            "same records: not added"
-        )
-        return None
-    unseen = _passing(session, base, best)
-    if unseen is not None:
-        session.is_passing = not base.hypothesis.effects and unseen.before <= NOISE_DOUBTED
-        session.decide(
-            f"{name} takes the residual from {base.ratio:.2f} to {best.fit.ratio:.2f} times the noise where it was "
-            f"fitted, but from {unseen.before:.2f} to {unseen.after:.2f} times in the rest of the same records: not "
-            "added, since what is missing in a rig is there for as long as a test lasts"
-        )
+    if not is_there_throughout(session, base, best):
         return None
     session.decide(
         f"{name} added: residual from {base.ratio:.2f} to {best.fit.ratio:.2f} times the noise, "
@@ -106,6 +93,33 @@ def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
     tell_tangent(session, best)
     refined = in_more_detail(session.fitting, best.fit, session.decide)
     return refined if refined is best.fit or session.holds(refined.hypothesis) else best.fit
+
+
+def is_there_throughout(session: Session, base: Fit, best: Ranked) -> bool:
+    """Whether an effect explains the rest of the same records too, or does not harm there; told where it does not.
+
+    Args:
+        session: with the records, told.
+        base: the model without the effect.
+        best: the effect, fitted to a part of the records.
+    """
+    name = best.effect.label()
+    if not session.holds(best.fit.hypothesis):
+        session.decide(
+            f"{name} explains what was fitted, but with it the motion leaves the finite numbers in the rest of the "
+            "same records: not added"
+        )
+        return False
+    unseen = _passing(session, base, best)
+    if unseen is not None:
+        session.is_passing = not base.hypothesis.effects and unseen.before <= NOISE_DOUBTED
+        session.decide(
+            f"{name} takes the residual from {base.ratio:.2f} to {best.fit.ratio:.2f} times the noise where it was "
+            f"fitted, but from {unseen.before:.2f} to {unseen.after:.2f} times in the rest of the same records: not "
+            "added, since what is missing in a rig is there for as long as a test lasts"
+        )
+        return False
+    return True
 
 
 def finite_first(session: Session, ranked: list[Ranked]) -> list[Ranked]:

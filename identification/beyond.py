@@ -17,7 +17,7 @@ from math import log
 
 import numpy as np
 
-from identification.acceptance import finite_first, fit_without
+from identification.acceptance import finite_first, fit_without, is_there_throughout
 from identification.evaluate import Evaluator
 from identification.evidence import (
     LEAST_EVIDENCE,
@@ -32,7 +32,7 @@ from identification.exchange import fit_at
 from identification.fit import Fit
 from identification.hypothesis import free_place
 from identification.in_its_place import judged_beside
-from identification.kept_aside import KeptAside
+from identification.kept_aside import KeptAside, predicted
 from identification.noise_left import NOISE_NEAR
 from identification.outcome import distinct
 from identification.reached import NOISE_DOUBTED, NOISE_REACHED
@@ -41,6 +41,7 @@ from identification.screen import Projection
 from identification.session import Session
 from models.effects.protocol import Effect, Place
 from models.general_laws import GENERAL_LAWS
+from models.record import AnyRecord
 
 WORTH_A_FIT = 6.0
 """Logarithm of the odds that a linear step has to promise a general law beside an effect, for a fit in its place."""
@@ -84,33 +85,42 @@ class Beyond:
         )
 
 
-def is_beyond_library(session: Session, calibrated: Fit, final: Fit) -> bool:
-    """Whether effects of a model stand for a law that the library does not hold; told.
+def is_beyond_library(session: Session, found: Beyond | None) -> bool:
+    """Whether what stands is there for a law that the library does not hold; told.
 
     Args:
-        session: with the records, told.
-        calibrated: the model without effects.
-        final: the model that stands, fitted to a part of the records.
+        session: told.
+        found: the law that ``law_beyond`` has found.
     """
-    found = law_beyond(session, calibrated, final)
     if found is None or found.by < LEAST_EVIDENCE:
-        session.nearly = None if found is None else (found.by, found.in_words)
         return False
     _end(session, found.in_words)
     return True
 
 
-def is_beyond_where_missed(session: Session, kept: KeptAside) -> bool:
-    """Whether a general law that was not clearly better stands where what was learnt does not hold; told.
+def is_beyond_where_missed(
+    session: Session, calibrated: Fit, found: Beyond | None, kept: KeptAside, records: Sequence[AnyRecord]
+) -> bool:
+    """Whether a law that was not clearly better stands where what was learnt does not hold, as it does there; told.
 
     Args:
-        session: with what ``is_beyond_library`` has found; told.
+        session: with the records learnt from; told.
+        calibrated: the model without effects.
+        found: the law that ``law_beyond`` has found.
         kept: what the model that stands is worth on records kept aside, with other numbers too.
+        records: those kept aside.
     """
-    by, words = session.nearly or (0.0, "")
-    if kept.holds or by < LEAST_WHERE_MISSED:
+    if found is None or kept.holds or found.by < LEAST_WHERE_MISSED:
         return False
-    _end(session, f"{words}; nor does what was learnt hold on {' and '.join(kept.missed)}")
+    missed = [record for record in records if record.name in kept.missed]
+    session.progress(f"{found.row.effect.label()} is put to {' and '.join(kept.missed)}")
+    try:
+        law = session.fit_of_all(found.row.fit.hypothesis)
+    except ArithmeticError:
+        return False
+    if not predicted(session, missed, calibrated.hypothesis, law.hypothesis):
+        return False
+    _end(session, f"{found.in_words}; nor does what was learnt hold on {' and '.join(kept.missed)}, as that law does")
     return True
 
 
@@ -145,8 +155,8 @@ def with_what_meets_the_noise(session: Session, base: Fit, ranked: list[Ranked])
         found = distinct(ranked_together([row for row in rows if not _is_general(row)], ranked))
         return finite_first(session, found)
     left = _beyond_noise(ahead.first.fit) / max(_beyond_noise(ranked[0].fit), 1.0)
-    if ahead.by >= LEAST_EVIDENCE and left <= LEAST_LEFT and session.holds(ahead.first.fit.hypothesis):
-        _end(session, Beyond((ahead.stood.effect,), ahead.stood.fit, ahead.first, ahead.by).in_words)
+    if ahead.by >= LEAST_EVIDENCE and left <= LEAST_LEFT and is_there_throughout(session, base, ahead.first):
+        _end(session, ahead.found.in_words)
     return ranked
 
 
@@ -181,10 +191,9 @@ def law_beyond(session: Session, calibrated: Fit, final: Fit) -> Beyond | None:
         ahead = _ahead(_rows_in_place(session, calibrated, final, index, WORTH_A_FIT))
         if ahead is None:
             continue
-        found = Beyond((effects[index],), ahead.stood.fit, ahead.first, ahead.by)
         if ahead.by >= LEAST_EVIDENCE:
-            return found
-        nearly = max(nearly or found, found, key=lambda each: each.by)
+            return ahead.found
+        nearly = max(nearly or ahead.found, ahead.found, key=lambda each: each.by)
     for other in along if len(along) > 1 else []:
         less = fit_without(session, calibrated, final, other)
         if less is None:
@@ -206,6 +215,11 @@ class _Ahead:
     @property
     def by(self) -> float:
         return self.first.log_evidence - self.stood.log_evidence
+
+    @property
+    def found(self) -> Beyond:
+        """The law in the place of the best of the library."""
+        return Beyond((self.stood.effect,), self.stood.fit, self.first, self.by)
 
 
 def _ahead(rows: Sequence[Ranked]) -> _Ahead | None:

@@ -23,7 +23,7 @@ from identification.acceptance import (
 from identification.alone import one_alone
 from identification.anew import looked_for_anew
 from identification.assess import with_starts
-from identification.beyond import is_beyond_library, is_beyond_where_missed, with_what_meets_the_noise
+from identification.beyond import is_beyond_library, is_beyond_where_missed, law_beyond, with_what_meets_the_noise
 from identification.calibrate import calibrate, strained, unknowns_of
 from identification.carried import carried_by_best, carried_by_calibrated, excused
 from identification.conclude import concluded, one_set_of_numbers, settled
@@ -182,15 +182,34 @@ def _searched(
         stages.append(session.stage(f"+ {chosen.hypothesis.effects[-1].label()}", chain[-1].hypothesis))
         chain, rounds = _revised(session, chain, rounds, stages)
     chain[-1], rounds = fallen_apart(chain[-1], rounds)
+    return _judged(session, given, holdout, stages, chain, rounds)
+
+
+def _judged(
+    session: Session,
+    given: Hypothesis,
+    holdout: Sequence[AnyRecord],
+    stages: list[Stage],
+    chain: list[Fit],
+    rounds: list[list[Ranked]],
+) -> _Found:
+    """What the search's models come to, held against laws beyond the library and against what was kept aside."""
+    calibrated, law = chain[0], None
     verdict, final, last = _ended(session, chain, rounds, stages, holdout)
+    if verdict == "missing_effect":
+        of_one = is_of_one_law(session, last)
+        law = None if of_one else law_beyond(session, calibrated, final)
+        if of_one or is_beyond_library(session, law):
+            verdict, final, last = "unexplained", calibrated, settled(session, calibrated)
     kept = kept_aside(session, given, last.hypothesis, holdout)
     if verdict == "missing_effect":
         kept = with_other_numbers(session, last, kept)
-        if is_beyond_where_missed(session, kept) or refuted(session, chain[0], final, last, kept, rounds):
-            verdict, final = "unexplained", chain[0]
-            last = settled(session, final)
-            calibrated = kept_aside(session, given, last.hypothesis, holdout)
-            kept = replace(calibrated, missed=calibrated.missed or kept.missed)
+        if is_beyond_where_missed(session, calibrated, law, kept, holdout) or refuted(
+            session, calibrated, final, last, kept, rounds
+        ):
+            verdict, final, last = "unexplained", calibrated, settled(session, calibrated)
+            alone = kept_aside(session, given, last.hypothesis, holdout)
+            kept = replace(alone, missed=alone.missed or kept.missed)
     return _Found(chain, rounds, verdict, final, last, kept)
 
 
@@ -331,8 +350,8 @@ def _ended(
     An effect whose size these intervals do not tell from none, or whose law or place they do not tell, is taken out,
     with its round. Before that, a law or a place gives way to a simpler law of its round that explains as much, and a
     size, beside a number at the end of its tolerance, to a law that needs none there. What is established gives way to
-    what all records speak for. A kind that gave way is out: it does not come back to its place. Two laws that are one
-    of another shape end it. The last round stays where it is needed to show what was weighed.
+    what all records speak for. A kind that gave way is out: it does not come back to its place. The last round stays
+    where it is needed to show what was weighed.
     """
     taken_out, looked = False, bool(rounds)
     predicts = partial(predicted, session, holdout, chain[0].hypothesis)
@@ -348,8 +367,6 @@ def _ended(
         if doubted is None:
             exchange = _ahead(session, chain[0], final, rounds, out, predicts)
             if exchange is None or not _exchanged_for(session, stages, final, *exchange):
-                if is_of_one_law(session, last) or is_beyond_library(session, chain[0], final):
-                    return "unexplained", chain[0], settled(session, chain[0])
                 return verdict, final, last
             index, other = exchange
             out[index].add(final.hypothesis.effects[index].kind)

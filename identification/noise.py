@@ -80,7 +80,7 @@ def _sensors_density(record: Record, period: int | None) -> tuple[FloatArray, st
         repeated = _between_periods(record.responses, period)
         return _lower(repeated, floor, lines), "what does not repeat from period to period"
     method = QUIETEST
-    if len(record.sensors) >= MIN_SENSORS and record.n_samples >= 16 * SEGMENT:
+    if len(record.sensors) >= MIN_SENSORS and record.n_samples >= MIN_SAMPLES:
         floor = _lower(floor, unshared_density(record.responses), np.array(UNSHARED_LINES))
         method = "what each sensor does not share with the others"
     stopped = [band_floor(channel, *STOPPED) for channel in record.responses]
@@ -108,7 +108,8 @@ CLEARLY = 2.5
 UNSHARED_LINES = 150.0
 """Free lines to whose median the factor analysis of 4096 samples compares: it is good to some 12 % of a variance."""
 
-MIN_SENSORS = 5
+MIN_SENSORS, MIN_SAMPLES = 5, 16 * SEGMENT
+"""Of a record, from which on it is told what its channels do not share."""
 
 QUIETEST = "the quietest bands of each channel"
 

@@ -72,8 +72,6 @@ class Session:
         pieces: of records past where they can be followed from their start, which are fitted beside the beginnings.
         is_passing: whether what is left of the fitted part was found to be an event that passes.
         is_beyond: whether a law beyond the library was found to explain what is missing.
-        nearly: of a law beyond the library that does so better than what stands, but not clearly, the logarithm of the
-            odds for it, and what it does in words.
         until: by ``perf_counter``, s, when nothing more is begun.
         untried: what was not begun for want of time, in words.
     """
@@ -88,7 +86,6 @@ class Session:
     relearnt: bool = False
     is_passing: bool = False
     is_beyond: bool = False
-    nearly: tuple[float, str] | None = None
     pieces: tuple[Piece, ...] = ()
     until: float = inf
     untried: list[str] = field(default_factory=list)
@@ -310,7 +307,8 @@ class Session:
             before: of this session.
         """
         self.everything, self.fitting, self.limits = before.everything, before.fitting, before.limits
-        self.relearnt, self.is_passing, self.pieces = before.relearnt, before.is_passing, before.pieces
+        self.relearnt, self.pieces = before.relearnt, before.pieces
+        self.is_passing, self.is_beyond = before.is_passing, before.is_beyond
 
     def shorten_to(self, hypothesis: Hypothesis) -> bool:
         """Fit no more of any record from now on than this model predicts, if that is clearly less; whether it is.

@@ -278,7 +278,7 @@ class Memory(GeneralLaw):
 
 @dataclass(frozen=True)
 class Lag(_Curve):
-    """A spring, a dashpot and a force with a memory, each of either sign: any linear law that remembers for one time.
+    """A spring, a dashpot and a force with a memory, each of either sign: a linear law without inertia that remembers.
 
     A spring k that answers later by T is nearly one: the spring, and a memory of -2 k for T / 2 (Pade, order 1).
 

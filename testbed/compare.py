@@ -9,6 +9,7 @@ from identification.assess import score, with_starts
 from identification.at_rest import PairedModes, paired_modes, predicted_frfs
 from identification.frf import estimate_frf
 from identification.hypothesis import Hypothesis
+from identification.noise import MIN_SAMPLES, MIN_SENSORS
 from identification.prepare import LEAST_TORN, Horizon, horizons, prepare
 from identification.result import RecordScore, Score
 from identification.together import wholly_off
@@ -118,7 +119,7 @@ def _in_time(hypothesis: Hypothesis, records: Sequence[Record], jobs: int, seed:
     evaluator = prepare(hypothesis, records, jobs, np.random.default_rng(seed))
     known = with_starts(evaluator, hypothesis)
     found = score(evaluator, known)
-    bounds = [_only_a_bound(row) for row in found.records if row.noise.at_most and row.noise_nrmse > QUIET]
+    bounds = [_only_a_bound(row) for row in found.records if row.noise.at_most and row.noise_nrmse > SENSORS_OWN]
     loud = {row.record.name: row for row in found.records if row.noise_nrmse > RATTLING}
     limits = horizons(evaluator, known) if loud else []
     torn = [limit for limit in limits if limit.record in loud and limit.torn > LEAST_TORN]
@@ -126,7 +127,7 @@ def _in_time(hypothesis: Hypothesis, records: Sequence[Record], jobs: int, seed:
     return found, (*wholly_off(found), *bounds, *(_in_words(limit, loud[limit.record]) for limit in parted))
 
 
-QUIET = 0.005
+SENSORS_OWN = 0.005
 """Noise, as a share of the motion, below which a good sensor's may as well be told from its quietest bands."""
 
 
@@ -135,7 +136,7 @@ def _only_a_bound(row: RecordScore) -> str:
     return (
         f"{row.record.name}: its sensors' noise, {row.noise_nrmse:.2g} of the motion, is a bound from above: too few "
         f"sensors or samples, and nothing that repeats, so it was told from {row.noise.method}, where the structure "
-        "may move, too; five sensors and 4096 samples, or three periods of a multisine, tell it"
+        f"may move, too; {MIN_SENSORS} sensors and {MIN_SAMPLES} samples, or three periods of a multisine, tell it"
     )
 
 

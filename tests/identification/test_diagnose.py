@@ -23,6 +23,7 @@ from models.effects.sensor_position import SensorPosition
 from models.effects.sensor_swap import SensorSwap
 from models.effects.squeeze_film import SqueezeFilm
 from models.errors import DivergenceError, InputError
+from models.general_laws import Memory
 from testbed.hidden_effects.outside import GrowingDamping
 
 BUILT = moved(REFERENCE, 0.5, -0.4, 0.3, 0.5, -0.5, 0.4, -0.6, 0.3, -0.2)
@@ -263,6 +264,20 @@ def test_two_laws_that_are_one_of_another_shape_are_not_named(monkeypatch):
     assert (found.verdict, found.added) == ("unexplained", ())
     assert found.final.label == "calibrated"
     assert found.candidates[0].effect.kind == "cubic_stiffness"
+
+
+@pytest.mark.slow
+def test_a_law_beyond_the_library_ends_the_search_before_a_second_effect_is_looked_for():
+    relaxing = Memory(Place(position=0.86), stiffness=3e3, relaxation_time=8e-3)
+    truth = Hypothesis(REFERENCE, BUILT.values, effects=(relaxing,))
+
+    found = learnt_from(truth, REFERENCE, rms=2.0, n=2048, registry=few("point_stiffness"), holdout=(7,))
+
+    assert (found.verdict, found.added) == ("unexplained", ())
+    assert {candidate.effect.kind for candidate in found.candidates} == {"point_stiffness"}
+    (told,) = [decision for decision in found.decisions if decision.startswith("unexplained")]
+    assert "unexplained after all: point_stiffness" in told
+    assert "force with a memory at 0.8" in told
 
 
 @pytest.mark.parametrize(
