@@ -32,10 +32,10 @@ from identification.exchange import fit_at
 from identification.fit import Fit
 from identification.hypothesis import free_place
 from identification.in_its_place import judged_beside
-from identification.kept_aside import KeptAside, predicted
+from identification.kept_aside import KeptAside, left_of
 from identification.noise_left import NOISE_NEAR
 from identification.outcome import distinct
-from identification.reached import NOISE_DOUBTED, NOISE_REACHED
+from identification.reached import LEAST_SHARE, NOISE_DOUBTED, NOISE_REACHED
 from identification.scene import scenes
 from identification.screen import Projection
 from identification.session import Session
@@ -99,13 +99,15 @@ def is_beyond_library(session: Session, found: Beyond | None) -> bool:
 
 
 def is_beyond_where_missed(
-    session: Session, calibrated: Fit, found: Beyond | None, kept: KeptAside, records: Sequence[AnyRecord]
+    session: Session, last: Fit, found: Beyond | None, kept: KeptAside, records: Sequence[AnyRecord]
 ) -> bool:
-    """Whether a law that was not clearly better stands where what was learnt does not hold, as it does there; told.
+    """Whether a law that was not clearly better stands where what was learnt does not hold, and it does better; told.
+
+    Neither may be right: a general law that comes nearer tells that none of the library is.
 
     Args:
         session: with the records learnt from; told.
-        calibrated: the model without effects.
+        last: the model that stands, fitted to all of them.
         found: the law that ``law_beyond`` has found.
         kept: what the model that stands is worth on records kept aside, with other numbers too.
         records: those kept aside.
@@ -113,14 +115,20 @@ def is_beyond_where_missed(
     if found is None or kept.holds or found.by < LEAST_WHERE_MISSED:
         return False
     missed = [record for record in records if record.name in kept.missed]
-    session.progress(f"{found.row.effect.label()} is put to {' and '.join(kept.missed)}")
+    names = " and ".join(kept.missed)
+    session.progress(f"{found.row.effect.label()} is put to {names}")
     try:
         law = session.fit_of_all(found.row.fit.hypothesis)
+        share = 1.0 - left_of(session, missed, law.hypothesis) / left_of(session, missed, last.hypothesis)
     except ArithmeticError:
         return False
-    if not predicted(session, missed, calibrated.hypothesis, law.hypothesis):
+    if share < LEAST_SHARE:
         return False
-    _end(session, f"{found.in_words}; nor does what was learnt hold on {' and '.join(kept.missed)}, as that law does")
+    _end(
+        session,
+        f"{found.in_words}; nor does what was learnt hold on {names}, where that law takes away {share:.0%} of what it "
+        "misses beyond the noise",
+    )
     return True
 
 
@@ -239,7 +247,7 @@ def _rows_in_place(session: Session, calibrated: Fit, model: Fit, index: int, le
     Args:
         session: with the records.
         calibrated: the model without effects, for its unknowns.
-        model: with the effect.
+        model: with the effect, and with its slopes.
         index: of the effect.
         least: logarithm of the odds that a linear step has to promise.
 
@@ -250,7 +258,8 @@ def _rows_in_place(session: Session, calibrated: Fit, model: Fit, index: int, le
         return []
     effect, bare = model.hypothesis.effects[index], model.hypothesis.without_effect(index)
     try:
-        leader = fit_at(session, calibrated, bare.with_effects(effect))
+        is_last = model.hypothesis.effects[-1] is effect
+        leader = model if is_last else fit_at(session, calibrated, bare.with_effects(effect))
         promise = promised(session.fitting, leader, effect.place)
         best = max(promise.values())
         session.progress(f"laws beyond the library beside {effect.label()}: a step promises odds of e^{best:.1f}")

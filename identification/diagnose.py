@@ -204,7 +204,7 @@ def _judged(
     kept = kept_aside(session, given, last.hypothesis, holdout)
     if verdict == "missing_effect":
         kept = with_other_numbers(session, last, kept)
-        if is_beyond_where_missed(session, calibrated, law, kept, holdout) or refuted(
+        if is_beyond_where_missed(session, last, law, kept, holdout) or refuted(
             session, calibrated, final, last, kept, rounds
         ):
             verdict, final, last = "unexplained", calibrated, settled(session, calibrated)

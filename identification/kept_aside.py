@@ -110,6 +110,22 @@ def predicted(session: Session, records: Sequence[AnyRecord], bare: Hypothesis, 
     return met and not _is_met_by(followed.heard, bare)
 
 
+def left_of(session: Session, records: Sequence[AnyRecord], updated: Hypothesis) -> float:
+    """What a model leaves of records kept aside beyond the noise, squared, as a share of the motion; summed.
+
+    Args:
+        session: for its resolution and the seed of the noise.
+        records: of any kind, each judged as far as it is followed.
+        updated: the model.
+
+    Raises:
+        ArithmeticError: a motion is lost.
+    """
+    _, followed = _followed(session, updated, records)
+    scores = score(followed.heard, followed.known)
+    return sum(beyond_noise(row) ** 2 for row in (*scores.records, *scores.at_rest))
+
+
 def _is_met_by(followed: Evaluator, model: Hypothesis) -> bool:
     """Whether a model holds on records as far as they are followed."""
     try:
