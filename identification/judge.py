@@ -4,8 +4,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from identification.calibrate import beginning, calibrate, pulled, set_in_motion
+from identification.detail import in_more_detail
 from identification.evaluate import Evaluator
-from identification.evidence import Ranked, misfit_in_common, ranked_together, with_evidence
+from identification.evidence import Ranked, misfit_in_common, ranked_together, reranked, with_evidence
 from identification.fit import Fit, fit
 from identification.in_its_place import (
     EXPLAINED,
@@ -75,7 +76,7 @@ def judge(
         if lasting and (number > 0 or not met):
             sketches += [sketch for view in lasting for sketch in beside(view, base, progress)]
             lasting = []
-        ranked = _weighed(ranked, sketches, fitting, base, kinds, progress)
+        ranked = _first_in_detail(_weighed(ranked, sketches, fitting, base, kinds, progress), fitting, progress)
         if ranked and (ranked[0].fit.ratio < EXPLAINED or is_noise(ranked[0].fit)):
             return ranked
     # What reached the noise in the seconds of its view does not in all that is fitted.
@@ -94,6 +95,15 @@ def _weighed(
     """What was refitted before and the best of these sketches, refitted, the one with the most evidence first."""
     more = finals(sketches, fitting, base, kinds, progress, known=known)
     return settled_apart(fitting, ranked_together(known, more), progress) if known else more
+
+
+def _first_in_detail(ranked: list[Ranked], fitting: Evaluator, progress: Progress) -> list[Ranked]:
+    """The ranking with the first of it in more detail, where that tells much."""
+    if not ranked or ranked[0].fit.ratio < EXPLAINED:
+        return ranked
+    first = ranked[0].fit
+    finer = in_more_detail(fitting, first, progress)
+    return ranked if finer is first else reranked(ranked, finer)
 
 
 SMALL, LARGE = 3.0, 8.0

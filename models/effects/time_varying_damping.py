@@ -65,9 +65,10 @@ class TimeVaryingDamping(Effect):
             )
 
     def refined(self) -> Iterator[Self]:
-        """The table with one more entry between each two."""
-        knots = np.linspace(self.times[0], self.times[-1], 2 * len(self.times) - 1)
-        yield replace(self, times=tuple(knots), values=tuple(np.interp(knots, self.times, self.values)))
+        """The table with one more entry between each two, and with three: what is odd about a middle shows then."""
+        for parts in (2, 4):
+            knots = np.linspace(self.times[0], self.times[-1], parts * (len(self.times) - 1) + 1)
+            yield replace(self, times=tuple(knots), values=tuple(np.interp(knots, self.times, self.values)))
 
     def change_contact(self, contact: Contact) -> Contact:
         """The contact with the table as its dashpot."""

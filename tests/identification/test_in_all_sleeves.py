@@ -84,8 +84,8 @@ def test_from_whichever_sleeve_it_is_begun_it_is_one_suspect():
 def test_a_table_is_refined_in_all_sleeves_at_once():
     kind = ALIKE["time_varying_damping in all sleeves"]
     tables = tuple(EFFECTS["time_varying_damping"](place, times=(0.0, 1.0), values=(5.0, 7.0)) for place in SLEEVES)
-    (finer,) = kind(SLEEVES[0], members=tables).refined()
-    assert [len(table.times) for table in finer.parts()] == [3, 3]
+    finer = kind(SLEEVES[0], members=tables).refined()
+    assert [[len(table.times) for table in each.parts()] for each in finer] == [[3, 3], [5, 5]]
 
 
 def test_a_fit_falls_apart_into_members_that_keep_their_rounds():
