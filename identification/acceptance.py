@@ -84,7 +84,20 @@ def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
         why = f"takes away only {share:.0%} of the misfit" if little else "the records hardly speak for it"
         session.decide(f"{name} is the best of the library, but {why}: not added")
         return None
-    if not is_there_throughout(session, base, best):
+    if not session.holds(best.fit.hypothesis):
+        session.decide(
+            f"{name} explains what was fitted, but with it the motion leaves the finite numbers in the rest of the "
+            "same records: not added"
+        )
+        return None
+    unseen = passing(session, base, best)
+    if unseen is not None:
+        session.is_passing = not base.hypothesis.effects and unseen.before <= NOISE_DOUBTED
+        session.decide(
+            f"{name} takes the residual from {base.ratio:.2f} to {best.fit.ratio:.2f} times the noise where it was "
+            f"fitted, but from {unseen.before:.2f} to {unseen.after:.2f} times in the rest of the same records: not "
+            "added, since what is missing in a rig is there for as long as a test lasts"
+        )
         return None
     session.decide(
         f"{name} added: residual from {base.ratio:.2f} to {best.fit.ratio:.2f} times the noise, "
@@ -93,33 +106,6 @@ def accepted(session: Session, base: Fit, ranked: Sequence[Ranked]) -> Fit | Non
     tell_tangent(session, best)
     refined = in_more_detail(session.fitting, best.fit, session.decide)
     return refined if refined is best.fit or session.holds(refined.hypothesis) else best.fit
-
-
-def is_there_throughout(session: Session, base: Fit, best: Ranked) -> bool:
-    """Whether an effect explains the rest of the same records too, or does not harm there; told where it does not.
-
-    Args:
-        session: with the records, told.
-        base: the model without the effect.
-        best: the effect, fitted to a part of the records.
-    """
-    name = best.effect.label()
-    if not session.holds(best.fit.hypothesis):
-        session.decide(
-            f"{name} explains what was fitted, but with it the motion leaves the finite numbers in the rest of the "
-            "same records: not added"
-        )
-        return False
-    unseen = _passing(session, base, best)
-    if unseen is not None:
-        session.is_passing = not base.hypothesis.effects and unseen.before <= NOISE_DOUBTED
-        session.decide(
-            f"{name} takes the residual from {base.ratio:.2f} to {best.fit.ratio:.2f} times the noise where it was "
-            f"fitted, but from {unseen.before:.2f} to {unseen.after:.2f} times in the rest of the same records: not "
-            "added, since what is missing in a rig is there for as long as a test lasts"
-        )
-        return False
-    return True
 
 
 def finite_first(session: Session, ranked: list[Ranked]) -> list[Ranked]:
@@ -150,8 +136,13 @@ def tell_tangent(session: Session, added: Ranked) -> None:
         session.decide(f"{added.effect.label()} is seen by its tangent at rest alone: {AT_REST_ONLY}")
 
 
-def _passing(session: Session, base: Fit, best: Ranked) -> Unseen | None:
+def passing(session: Session, base: Fit, best: Ranked) -> Unseen | None:
     """What an effect leaves beyond the part fitted, where it explains no more than an event there.
+
+    Args:
+        session: with the records.
+        base: the model without the effect.
+        best: the effect, fitted to that part.
 
     Returns:
         None where it takes something away there too, or where the rest of the records cannot tell.

@@ -17,7 +17,7 @@ from math import log
 
 import numpy as np
 
-from identification.acceptance import finite_first, fit_without, is_there_throughout
+from identification.acceptance import finite_first, fit_without, passing
 from identification.evaluate import Evaluator
 from identification.evidence import (
     LEAST_EVIDENCE,
@@ -32,7 +32,7 @@ from identification.exchange import fit_at
 from identification.fit import Fit
 from identification.hypothesis import free_place
 from identification.in_its_place import judged_beside
-from identification.kept_aside import KeptAside, left_of
+from identification.kept_aside import KeptAside, holds_on, left_of
 from identification.noise_left import NOISE_NEAR
 from identification.outcome import distinct
 from identification.reached import LEAST_SHARE, NOISE_DOUBTED, NOISE_REACHED
@@ -59,10 +59,10 @@ NEAR_BEST = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Beyond:
-    """A general law that does better than what stands.
+    """A general law that does better than any of the library where one stands.
 
     Attributes:
-        replaced: effects in whose place it does.
+        replaced: the effects of the library that come nearest there.
         stood: the fit of the model with them.
         row: the general law.
         by: logarithm of the odds for it.
@@ -114,21 +114,25 @@ def is_beyond_where_missed(
     """
     if found is None or kept.holds or found.by < LEAST_WHERE_MISSED:
         return False
-    missed = [record for record in records if record.name in kept.missed]
     names = " and ".join(kept.missed)
     session.progress(f"{found.row.effect.label()} is put to {names}")
     try:
-        law = session.fit_of_all(found.row.fit.hypothesis)
-        share = 1.0 - left_of(session, missed, law.hypothesis) / left_of(session, missed, last.hypothesis)
+        law = session.fit_of_all(found.row.fit.hypothesis).hypothesis
+        nearest = session.fit_of_all(found.stood.hypothesis).hypothesis
     except ArithmeticError:
         return False
-    if share < LEAST_SHARE:
-        return False
-    _end(
-        session,
-        f"{found.in_words}; nor does what was learnt hold on {names}, where that law takes away {share:.0%} of what it "
-        "misses beyond the noise",
-    )
+    if kept.followed is None:
+        missed = [record for record in records if record.name in kept.missed]
+        if not holds_on(session, missed, law) or holds_on(session, missed, nearest):
+            return False
+        does = "as that law does"
+    else:
+        least = min(left_of(kept, model) for model in (last.hypothesis, nearest))
+        share = 1.0 - left_of(kept, law) / least
+        if share < LEAST_SHARE:
+            return False
+        does = f"where that law takes away {share:.0%} of what is left beyond the noise"
+    _end(session, f"{found.in_words}; nor does what was learnt hold on {names}, {does}")
     return True
 
 
@@ -163,7 +167,8 @@ def with_what_meets_the_noise(session: Session, base: Fit, ranked: list[Ranked])
         found = distinct(ranked_together([row for row in rows if not _is_general(row)], ranked))
         return finite_first(session, found)
     left = _beyond_noise(ahead.first.fit) / max(_beyond_noise(ranked[0].fit), 1.0)
-    if ahead.by >= LEAST_EVIDENCE and left <= LEAST_LEFT and is_there_throughout(session, base, ahead.first):
+    clear = ahead.by >= LEAST_EVIDENCE and left <= LEAST_LEFT
+    if clear and session.holds(ahead.first.fit.hypothesis) and passing(session, base, ahead.first) is None:
         _end(session, ahead.found.in_words)
     return ranked
 
@@ -247,7 +252,7 @@ def _rows_in_place(session: Session, calibrated: Fit, model: Fit, index: int, le
     Args:
         session: with the records.
         calibrated: the model without effects, for its unknowns.
-        model: with the effect, and with its slopes.
+        model: with the effect.
         index: of the effect.
         least: logarithm of the odds that a linear step has to promise.
 
@@ -258,8 +263,7 @@ def _rows_in_place(session: Session, calibrated: Fit, model: Fit, index: int, le
         return []
     effect, bare = model.hypothesis.effects[index], model.hypothesis.without_effect(index)
     try:
-        is_last = model.hypothesis.effects[-1] is effect
-        leader = model if is_last else fit_at(session, calibrated, bare.with_effects(effect))
+        leader = fit_at(session, calibrated, bare.with_effects(effect))
         promise = promised(session.fitting, leader, effect.place)
         best = max(promise.values())
         session.progress(f"laws beyond the library beside {effect.label()}: a step promises odds of e^{best:.1f}")

@@ -9,7 +9,7 @@ from identification.hypothesis import but_for_effects, effect_unknowns
 from identification.reached import NOISE_REACHED, tells_much
 
 
-def in_more_detail(evaluator: Evaluator, result: Fit, tell: Callable[[str], None]) -> Fit:
+def in_more_detail(evaluator: Evaluator, result: Fit, tell: Callable[[str], None], which: slice = slice(None)) -> Fit:
     """The effects described in more detail as long as that tells much: a long table imitates what is not there.
 
     What was too coarse a table for may only show once another effect stands beside it, so all are tried.
@@ -18,9 +18,11 @@ def in_more_detail(evaluator: Evaluator, result: Fit, tell: Callable[[str], None
         evaluator: records and noise.
         result: the model, fitted to them.
         tell: told what is described in more detail.
+        which: of the effects, if not all.
     """
     while result.ratio > NOISE_REACHED:
-        finer = [row for index in range(len(result.hypothesis.effects)) for row in _finer(evaluator, result, index)]
+        asked = range(len(result.hypothesis.effects))[which]
+        finer = [row for index in asked for row in _finer(evaluator, result, index)]
         now = Ranked.of(result)
         best = with_evidence([now, *finer])[0]
         if best.fit is result or not tells_much(result, best.fit):

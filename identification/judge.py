@@ -98,11 +98,11 @@ def _weighed(
 
 
 def _first_in_detail(ranked: list[Ranked], fitting: Evaluator, progress: Progress) -> list[Ranked]:
-    """The ranking with the first of it in more detail, where that tells much."""
+    """The ranking with the first of it in more detail, where that tells much; effects before it stay as in all rows."""
     if not ranked or ranked[0].fit.ratio < EXPLAINED:
         return ranked
     first = ranked[0].fit
-    finer = in_more_detail(fitting, first, progress)
+    finer = in_more_detail(fitting, first, progress, which=slice(-1, None))
     return ranked if finer is first else reranked(ranked, finer)
 
 

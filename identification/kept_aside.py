@@ -110,19 +110,39 @@ def predicted(session: Session, records: Sequence[AnyRecord], bare: Hypothesis, 
     return met and not _is_met_by(followed.heard, bare)
 
 
-def left_of(session: Session, records: Sequence[AnyRecord], updated: Hypothesis) -> float:
-    """What a model leaves of records kept aside beyond the noise, squared, as a share of the motion; summed.
+def holds_on(session: Session, records: Sequence[AnyRecord], model: Hypothesis) -> bool:
+    """Whether a model holds on records kept aside, each as far as it follows them.
 
     Args:
         session: for its resolution and the seed of the noise.
-        records: of any kind, each judged as far as it is followed.
-        updated: the model.
-
-    Raises:
-        ArithmeticError: a motion is lost.
+        records: of any kind.
+        model: fitted to others.
     """
-    _, followed = _followed(session, updated, records)
-    scores = score(followed.heard, followed.known)
+    try:
+        _, followed = _followed(session, model, records)
+        scores = score(followed.heard, followed.known)
+    except ArithmeticError:
+        return False
+    return all(is_met(row) for row in (*scores.records, *scores.at_rest))
+
+
+def left_of(kept: KeptAside, model: Hypothesis) -> float:
+    """What a model leaves beyond the noise of the records that another misses, as far as that one is followed.
+
+    Args:
+        kept: of the other, which follows them.
+        model: fitted to what was learnt from.
+
+    Returns:
+        the sum of squares, each as a share of the motion; infinite where the motion is lost.
+    """
+    assert kept.followed is not None
+    heard = kept.followed.heard
+    heard = heard.with_targets([target for target in heard.targets if target.record.name in kept.missed])
+    try:
+        scores = score(heard, with_starts(heard, model))
+    except ArithmeticError:
+        return inf
     return sum(beyond_noise(row) ** 2 for row in (*scores.records, *scores.at_rest))
 
 

@@ -199,18 +199,26 @@ class Session:
         return fit_to_its_end(whole, hypothesis, all_unknowns(hypothesis, whole), LAST_ITERATIONS)
 
     def _fit_with_tables(self, begun: Hypothesis) -> Fit:
-        """The fit of all, with tables in more detail as long as that tells much: a part may hide what they take."""
+        """The fit of all, with tables in more detail as long as that tells much: a part may hide what they take.
+
+        The coarsest that does is taken: a finer one holds it, and is as near whatever is there.
+        """
         found = self.fit_of_all(self.told_later(begun))
         while found.ratio > NOISE_REACHED:
-            finer = [
-                begun.with_effect_at(i, each) for i, effect in enumerate(begun.effects) for each in effect.refined()
-            ]
-            fits = [(self.fit_of_all(self.told_later(each)), each) for each in finer]
-            best, then = min(fits, key=lambda pair: pair[0].cost, default=(found, begun))
-            if not tells_much(found, best):
+            for then in self._finer(begun):
+                finer = self.fit_of_all(self.told_later(then))
+                if tells_much(found, finer):
+                    found, begun = finer, then
+                    break
+            else:
                 break
-            found, begun = best, then
         return found
+
+    @staticmethod
+    def _finer(model: Hypothesis) -> list[Hypothesis]:
+        """The model with one of its effects in more detail each, the least first."""
+        finer = [(k, i, each) for i, effect in enumerate(model.effects) for k, each in enumerate(effect.refined())]
+        return [model.with_effect_at(i, each) for _, i, each in sorted(finer, key=lambda row: row[:2])]
 
     def told_later(self, hypothesis: Hypothesis) -> Hypothesis:
         """A model whose tables in time are fitted to ever more of the records: later values were told by none so far.

@@ -13,6 +13,9 @@ from models.effects.protocol import Effect, Family, PlaceKind, Scene, Signature,
 from models.errors import InputError
 from models.ports import Contact
 
+MOST_ENTRIES = 33
+"""Of a table that is refined: more would tell a vibration, and no grease."""
+
 
 @dataclass(frozen=True)
 class TimeVaryingDamping(Effect):
@@ -67,8 +70,12 @@ class TimeVaryingDamping(Effect):
     def refined(self) -> Iterator[Self]:
         """The table with one more entry between each two, and with three: what is odd about a middle shows then."""
         for parts in (2, 4):
-            knots = np.linspace(self.times[0], self.times[-1], parts * (len(self.times) - 1) + 1)
-            yield replace(self, times=tuple(knots), values=tuple(np.interp(knots, self.times, self.values)))
+            n = parts * (len(self.times) - 1) + 1
+            if n > MOST_ENTRIES:
+                return
+            knots = np.linspace(self.times[0], self.times[-1], n)
+            values = np.interp(knots, self.times, self.values)
+            yield replace(self, times=tuple(knots.tolist()), values=tuple(values.tolist()))
 
     def change_contact(self, contact: Contact) -> Contact:
         """The contact with the table as its dashpot."""

@@ -274,6 +274,7 @@ def test_a_law_beyond_the_library_ends_the_search_before_a_second_effect_is_look
     found = learnt_from(truth, REFERENCE, rms=2.0, n=2048, registry=few("point_stiffness"), holdout=(7,))
 
     assert (found.verdict, found.added) == ("unexplained", ())
+    assert [stage.label for stage in found.stages] == ["as given", "calibrated"]  # the spring was never added
     assert {candidate.effect.kind for candidate in found.candidates} == {"point_stiffness"}
     (told,) = [decision for decision in found.decisions if decision.startswith("unexplained")]
     assert "unexplained after all: point_stiffness" in told
