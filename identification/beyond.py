@@ -166,10 +166,10 @@ def with_what_meets_the_noise(session: Session, base: Fit, ranked: list[Ranked])
     if ahead is None:
         found = distinct(ranked_together([row for row in rows if not _is_general(row)], ranked))
         return finite_first(session, found)
-    left = _beyond_noise(ahead.first.fit) / max(_beyond_noise(ranked[0].fit), 1.0)
+    left = _beyond_noise(ahead.row.fit) / max(_beyond_noise(ranked[0].fit), 1.0)
     clear = ahead.by >= LEAST_EVIDENCE and left <= LEAST_LEFT
-    if clear and session.holds(ahead.first.fit.hypothesis) and passing(session, base, ahead.first) is None:
-        _end(session, ahead.found.in_words)
+    if clear and session.holds(ahead.row.fit.hypothesis) and passing(session, base, ahead.row) is None:
+        _end(session, ahead.in_words)
     return ranked
 
 
@@ -205,8 +205,8 @@ def law_beyond(session: Session, calibrated: Fit, final: Fit) -> Beyond | None:
         if ahead is None:
             continue
         if ahead.by >= LEAST_EVIDENCE:
-            return ahead.found
-        nearly = max(nearly or ahead.found, ahead.found, key=lambda each: each.by)
+            return ahead
+        nearly = max(nearly or ahead, ahead, key=lambda each: each.by)
     for other in along if len(along) > 1 else []:
         less = fit_without(session, calibrated, final, other)
         if less is None:
@@ -218,28 +218,12 @@ def law_beyond(session: Session, calibrated: Fit, final: Fit) -> Beyond | None:
     return nearly
 
 
-@dataclass(frozen=True, eq=False)
-class _Ahead:
-    """A general law first in a place, the best of the library there, and the odds between, as a logarithm."""
-
-    first: Ranked
-    stood: Ranked
-
-    @property
-    def by(self) -> float:
-        return self.first.log_evidence - self.stood.log_evidence
-
-    @property
-    def found(self) -> Beyond:
-        """The law in the place of the best of the library."""
-        return Beyond((self.stood.effect,), self.stood.fit, self.first, self.by)
-
-
-def _ahead(rows: Sequence[Ranked]) -> _Ahead | None:
+def _ahead(rows: Sequence[Ranked]) -> Beyond | None:
     """The general law that is first, and the best of the library behind it; None where the library is first."""
     if not rows or not _is_general(rows[0]):
         return None
-    return _Ahead(rows[0], next(row for row in rows if not _is_general(row)))
+    first, stood = rows[0], next(row for row in rows if not _is_general(row))
+    return Beyond((stood.effect,), stood.fit, first, first.log_evidence - stood.log_evidence)
 
 
 def _is_general(row: Ranked) -> bool:
@@ -280,7 +264,8 @@ def _rows_in_place(session: Session, calibrated: Fit, model: Fit, index: int, le
         return []
     rows = with_evidence([*(row for row in rows if row.refitted), Ranked.of(leader)])
     if (ahead := _ahead(rows)) is not None:
-        session.progress(f"{ahead.first.effect.label()} against {ahead.stood.effect.label()}: odds of e^{ahead.by:.1f}")
+        law, nearest = ahead.row.effect.label(), ahead.replaced[0].label()
+        session.progress(f"{law} against {nearest}: odds of e^{ahead.by:.1f}")
     return rows
 
 
@@ -305,9 +290,9 @@ def _in_place_of_two(
     if ahead is None:
         return None
     effects = [final.hypothesis.effects[index] for index in (kept, other)]
-    fewer = sum(map(_n_numbers, effects)) - _n_numbers(ahead.first.effect)
-    better = log_fit(ahead.first.fit, scale) - log_fit(final, scale) + log(SIMPLER) * fewer
-    return (ahead.first, better) if better >= LEAST_EVIDENCE else None
+    fewer = sum(map(_n_numbers, effects)) - _n_numbers(ahead.row.effect)
+    better = log_fit(ahead.row.fit, scale) - log_fit(final, scale) + log(SIMPLER) * fewer
+    return (ahead.row, better) if better >= LEAST_EVIDENCE else None
 
 
 def _n_numbers(effect: Effect) -> int:

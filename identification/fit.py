@@ -134,7 +134,6 @@ def fit(
         rows[:kept] = jacobian
     _differentiate(evaluator, state, unknowns, rows, range(kept, len(unknowns)))
     fresh, near, curved, damping = kept == 0, False, False, FAR_DAMPING
-    are_fine = False
     for _ in range(max_iterations):
         new, promised, damping = _step(evaluator, state, unknowns, prior, rows, damping, bent=curved and fresh)
         gained = state.cost - new.cost
@@ -151,9 +150,9 @@ def fit(
         _differentiate(evaluator, state, unknowns, rows, range(first, len(unknowns)))
         if near:
             _along_valleys(evaluator, state, unknowns, rows)
-        fresh = are_fine = first == 0
+        fresh = first == 0
     if precise and not near:
-        if not are_fine:
+        if not fresh or max_iterations == 0:  # those formed before any step may be too wide
             _differentiate(evaluator, state, unknowns, rows, range(len(unknowns)))
         _along_valleys(evaluator, state, unknowns, rows)
     normal = rows @ rows.T + np.diag(prior)

@@ -12,7 +12,7 @@ BLOCKS = (20, 205, 1024)
 TIMES = 5
 
 
-def test_a_live_model_costs_about_what_a_record_does():
+def test_a_live_model_costs_a_few_times_what_a_record_does():
     plant = reference_plant()
     record = reference_record(plant)
     force, peak = record.excitation, float(np.abs(record.excitation).max())

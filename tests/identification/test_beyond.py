@@ -32,6 +32,7 @@ from models.general_laws import GENERAL_LAWS, DampingCurve, FrictionCurve, Lag, 
 
 THERE = Place(position=0.86)
 RELAXING = Memory(THERE, stiffness=3e3, relaxation_time=8e-3)
+WEAK = replace(RELAXING, stiffness=400.0)
 FRICTION = CoulombFriction(THERE, friction_force=0.4, slip_velocity=5e-3)
 HYSTERESIS = BoucWen(THERE, force=1.0, yield_displacement=2e-4, exponent=1.0)
 ABSORBER = Absorber(THERE, mass=0.05, frequency=30.0, damping_ratio=0.1)
@@ -82,9 +83,6 @@ def nearly():
     session = beam_session(WEAK)
     named = found_with(session, HYSTERESIS)
     return session, named, law_beyond(session, found_with(session), named)
-
-
-WEAK = replace(RELAXING, stiffness=400.0)
 
 
 @pytest.mark.parametrize("is_lost", [False, True])
