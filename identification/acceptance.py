@@ -1,6 +1,7 @@
 """What is added, what is taken out again, and what the end is called."""
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from identification.evidence import (
     misfit_in_common,
     misfit_of,
 )
-from identification.fit import Fit, fit
+from identification.fit import LOOK, LOOK_TOLERANCE, Fit, fit
 from identification.hypothesis import Hypothesis, effect_unknowns
 from identification.kept_aside import KeptAside
 from identification.noise_left import NOISE_NEAR
@@ -168,8 +169,8 @@ def pruned(session: Session, calibrated: Fit, found: Fit, *, newest: int) -> lis
     new = found.hypothesis.effects[newest].label()
     index = 0
     while index < len(found.hypothesis.effects):
-        less = None if index == newest else fit_without(session, calibrated, found, index)
-        if less is not None and explains_as_much(session, less, found):
+        less = None if index == newest else _needless(session, calibrated, found, index)
+        if less is not None:
             gone = found.hypothesis.effects[index].label()
             why = "the noise is reached without it" if is_enough(session, less) else "it explains nothing more"
             session.decide(f"{gone} taken out again: beside {new} {why}")
@@ -178,6 +179,15 @@ def pruned(session: Session, calibrated: Fit, found: Fit, *, newest: int) -> lis
         else:
             index += 1
     return taken
+
+
+def _needless(session: Session, calibrated: Fit, found: Fit, index: int) -> Fit | None:
+    """The fit without an effect where that explains as much, or None."""
+    look = look_without(session, calibrated, found, index)
+    if look is None or look.ratio > worth_fitting(found):
+        return None
+    less = fit_without(session, calibrated, found, index)
+    return less if less is not None and explains_as_much(session, less, found) else None
 
 
 def explains_as_much(session: Session, less: Fit, found: Fit) -> bool:
@@ -203,6 +213,33 @@ def comes_as_near(less: Fit, found: Fit) -> bool:
     return log_fit(found, scale) - log_fit(less, scale) < LEAST_EVIDENCE
 
 
+def worth_fitting(found: Fit) -> float:
+    """Residual over noise above which a model with an effect less is not fitted to its end.
+
+    Begun at the numbers of the other one, an effect that is needless leaves no more than that after a few steps.
+
+    Args:
+        found: the model with all effects.
+    """
+    return WORTH_FITTING * max(1.0, found.ratio)
+
+
+WORTH_FITTING = 3.0
+"""Times what the model with all effects leaves, or the noise."""
+
+
+def look_without(session: Session, calibrated: Fit, found: Fit, index: int) -> Fit | None:
+    """The first steps of the fit without one of its effects, or None where the model needs it to stay finite.
+
+    Args:
+        session: with the records.
+        calibrated: the model without effects.
+        found: the fit.
+        index: of the effect.
+    """
+    return _best_without(session, calibrated, found, index, max_iterations=LOOK, tolerance=LOOK_TOLERANCE)
+
+
 def fit_without(session: Session, calibrated: Fit, found: Fit, index: int) -> Fit | None:
     """The fit again without one of its effects, or None where the model needs it to stay finite.
 
@@ -212,12 +249,16 @@ def fit_without(session: Session, calibrated: Fit, found: Fit, index: int) -> Fi
         found: the fit.
         index: of the effect.
     """
+    return _best_without(session, calibrated, found, index, precise=True)
+
+
+def _best_without(session: Session, calibrated: Fit, found: Fit, index: int, **how: Any) -> Fit | None:
     less, handed = found.hypothesis.without_effect(index), found.hypothesis.handed_back(index)
     fits = []
     for start in [less] if handed.values == less.values else [handed, less]:
         try:
             unknowns = (*calibrated.unknowns, *effect_unknowns(start))
-            fits.append(fit_from_own_starts(session.fitting, fit(session.fitting, start, unknowns, precise=True)))
+            fits.append(fit_from_own_starts(session.fitting, fit(session.fitting, start, unknowns, **how)))
         except ArithmeticError:
             continue
     return min(fits, key=lambda each: each.cost, default=None)

@@ -6,10 +6,12 @@ itself, begun anew, and then every kind is looked for once more from the numbers
 """
 
 from dataclasses import replace
+from math import inf
 
-from identification.acceptance import comes_as_near, explains_as_much, fit_without, tell_tangent
-from identification.anew import judged_anew
+from identification.acceptance import comes_as_near, explains_as_much, look_without, tell_tangent, worth_fitting
+from identification.anew import WORTH_REFITTING, judged_anew
 from identification.evidence import Ranked, reweighed, with_evidence
+from identification.exchange import fit_at
 from identification.fewer import Fewer
 from identification.fit import Fit
 from identification.in_its_place import settled_apart
@@ -65,18 +67,22 @@ def _each_of_them(session: Session, calibrated: Fit, found: Fit) -> list[Fit]:
     """The fits of the two by themselves, begun anew, that explain as much."""
     fits = []
     for index in range(len(found.hypothesis.effects)):
-        less = fit_without(session, calibrated, found, index)
-        if less is not None:
-            less = restarted(session.fitting, calibrated, less)
+        look = look_without(session, calibrated, found, index)
+        if look is None:
+            continue
+        less = restarted(session.fitting, calibrated, look)
+        if less.ratio <= worth_fitting(found):
+            less = fit_at(session, calibrated, less.hypothesis, polished=True)
             fits += [less] if explains_as_much(session, less, found) else []
     return fits
 
 
 def _judged(session: Session, calibrated: Fit, found: Fit, alone: list[Fit]) -> list[Ranked]:
     """Every kind without other effects, from the best numbers there are, ranked with those that stand by themselves."""
+    near = inf if alone else WORTH_REFITTING * max(1.0, found.ratio)
     try:
         best = min(alone, key=lambda each: each.cost, default=found)
-        rows = judged_anew(session, calibrated, replace(best.hypothesis, effects=()))
+        rows = judged_anew(session, calibrated, replace(best.hypothesis, effects=()), near)
     except ArithmeticError:  # without the two nothing stands
         rows = []
     if not alone:

@@ -6,8 +6,10 @@ as it is, which was not to be seen before: a step of block coordinate descent wh
 R. J. Hathaway, Neural, Parallel and Scientific Computations 11 (2003) 351).
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from math import inf
 
 from identification.calibrate import concerning
 from identification.evidence import Ranked
@@ -17,9 +19,11 @@ from identification.hypothesis import Hypothesis
 from identification.judge import finals
 from identification.look import View, beside
 from identification.prepare import cut_to
+from identification.progress import Progress
 from identification.reached import LEAST_SHARE, reaches_noise, takes_away
 from identification.rounds import SCREEN_SECONDS, told_apart
 from identification.session import Session
+from identification.sketch import Sketch
 
 NEAR_THE_TRUTH = 3.0
 """Residual over noise up to which the numbers beside several effects are near enough to see others by."""
@@ -77,22 +81,42 @@ def _anew(session: Session, calibrated: Fit, now: Exchange, index: int) -> Excha
     return Exchange(last, rounds, (*now.labels, label), index)
 
 
-def judged_anew(session: Session, calibrated: Fit, bare: Hypothesis) -> list[Ranked]:
-    """Every kind at every place judged beside the effects of a model, from its numbers.
+WORTH_REFITTING = 2.0
+"""Residual over noise that a first fit of one of them comes to, where suspects have to reach the noise to count."""
 
-    Kinds that act over the length of a record are left out: looking for them takes whole records.
+
+def judged_anew(session: Session, calibrated: Fit, bare: Hypothesis, near: float = inf) -> list[Ranked]:
+    """Every kind at every place judged beside the effects of a model, from its numbers.
 
     Args:
         session: with the records.
         calibrated: the model without effects, for its unknowns.
         bare: the model without the one that is looked for, its numbers as they were found beside it.
+        near: as ``ranked_beside`` has it.
 
     Raises:
         ArithmeticError: the motion of that model leaves the finite numbers.
     """
-    base = fit_at(session, calibrated, bare)
+    return ranked_beside(session, fit_at(session, calibrated, bare), beside, near)
+
+
+def ranked_beside(
+    session: Session, base: Fit, look: Callable[[View, Fit, Progress], list[Sketch]], near: float = inf
+) -> list[Ranked]:
+    """Every kind at every place judged beside a model.
+
+    Kinds that act over the length of a record are left out: looking for them takes whole records.
+
+    Args:
+        session: with the records.
+        base: the model, on what is fitted.
+        look: how suspects are looked for.
+        near: residual over noise that one of the first fits has to come to, for any to be fitted further.
+    """
     evaluator = cut_to(session.searching(base), SCREEN_SECONDS, session.limits, 2)
     there = fit(evaluator, base.hypothesis, concerning(base, evaluator), max_iterations=0)
     kinds = session.kinds_on(base.hypothesis.rig, but=("time",))
-    sketches = beside(View(evaluator, there, kinds), base, session.progress)
+    sketches = look(View(evaluator, there, kinds), base, session.progress)
+    if min((sketch.fit.ratio for sketch in sketches), default=inf) > near:
+        return []
     return finals(sketches, session.fitting, base, kinds, session.progress)

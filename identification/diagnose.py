@@ -22,6 +22,7 @@ from identification.acceptance import (
 )
 from identification.alone import one_alone
 from identification.anew import looked_for_anew
+from identification.another_first import another_first
 from identification.assess import with_starts
 from identification.beyond import is_beyond_library, is_beyond_where_missed, law_beyond, with_what_meets_the_noise
 from identification.calibrate import calibrate, strained, unknowns_of
@@ -172,6 +173,7 @@ def _searched(
                 ranked, _ = look_round(session, learnt)
         chain, (*rounds, ranked) = carried_by_best(session, chain, [*rounds, ranked])
         ranked = finite_first(session, with_other_starts(session, chain[-1], ranked))
+        chain, rounds, ranked = _with_another_first(session, chain, rounds, ranked, stages)
         rounds.append(told_apart(session, ranked))
         chain, rounds = reweigh(session, chain, rounds)
         rounds[-1] = with_what_meets_the_noise(session, chain[-1], rounds[-1])
@@ -270,6 +272,20 @@ def _looked(
         chain, (*rounds, ranked) = everything_again(session, chain, [*rounds, ranked])
         better = None
     return chain, rounds, refitted_from(session, beginnings, ranked), better
+
+
+def _with_another_first(
+    session: Session, chain: list[Fit], rounds: list[list[Ranked]], ranked: list[Ranked], stages: list[Stage]
+) -> tuple[list[Fit], list[list[Ranked]], list[Ranked]]:
+    """The models and rounds and what is ranked beside the first effect, or beside another in its place."""
+    if not len(chain[1:]) == len(rounds) == 1:
+        return chain, rounds, ranked
+    other = another_first(session, chain[0], chain[1], rounds[0], ranked)
+    if other is None or not _staged(session, stages, other.label, other.fit):
+        return chain, rounds, ranked
+    session.decide(f"{other.label}: {other.why}")
+    ranked = finite_first(session, with_other_starts(session, other.fit, other.ranked))
+    return [chain[0], other.fit], [other.round], ranked
 
 
 def _better(session: Session, base: Fit, first: Fit) -> Fit:

@@ -170,6 +170,10 @@ def fit(
     )
 
 
+LOOK, LOOK_TOLERANCE = 5, 0.02
+"""Iterations and tolerance of a look at where a fit is going, before it is followed."""
+
+
 def fit_to_its_end(evaluator: Evaluator, hypothesis: Hypothesis, unknowns: Sequence[Unknown], iterations: int) -> Fit:
     """The fit, gone on from where it stopped for as long as a step more promises much and each run keeps its promise.
 

@@ -4,7 +4,7 @@ Whatever explains the records nearly has the rig's numbers nearly right, so othe
 followed only where they come near.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import inf
 
@@ -296,11 +296,13 @@ FOR_A_PLACE = 15.0
 def settled_apart(fitting: Evaluator, ranked: list[Ranked], progress: Progress) -> list[Ranked]:
     """The ranking with those fitted to the end that the refits' tolerance cannot tell from the first.
 
-    Of those that came to the same numbers at the same place one is left.
+    Of those that came to the same numbers at the same place one is left. Above the noise there is nothing to tell apart
+    among those of one kind in one valley.
     """
     within = 0.5 * REFIT_TOLERANCE * ranked[0].fit.cost / misfit_in_common(ranked) if ranked else 0.0
     ranked = _but_once(ranked)
     close = [row for row in ranked if row.refitted and row.log_evidence > ranked[0].log_evidence - within]
+    close = _but_once(close, _are_one) if close and ranked[0].fit.ratio > EXPLAINED else close
     if not close[1:]:
         return ranked
     progress(f"{' and '.join(row.effect.label() for row in close)} fit nearly alike; fitting them to the end")
@@ -309,16 +311,15 @@ def settled_apart(fitting: Evaluator, ranked: list[Ranked], progress: Progress) 
     return _but_once(reweighed(ranked, [*rows, *(row for row in ranked if row.refitted and row not in close)]))
 
 
-def _but_once(ranked: Sequence[Ranked]) -> list[Ranked]:
-    """The ranking without what has come to where a better row is."""
-    return [row for n, row in enumerate(ranked) if not any(_have_met(row, better) for better in ranked[:n])]
+def _are_one(row: Ranked, better: Ranked) -> bool:
+    """Whether two fits are of one kind in one valley, both in a sleeve or neither."""
+    in_one_sleeve = row.effect.place.sleeve == better.effect.place.sleeve
+    return row.refitted and better.refitted and in_one_sleeve and is_alike(row.fit, better.fit)
 
 
 def _have_met(row: Ranked, better: Ranked) -> bool:
     """Whether two fits of one kind have come to one point of one valley."""
-    if not (row.refitted and better.refitted and is_alike(row.fit, better.fit)):
-        return False
-    if row.effect.place.sleeve != better.effect.place.sleeve:
+    if not _are_one(row, better):
         return False
     here, there = row.effect.fitted_values(), better.effect.fitted_values()
     return len(here) == len(there) and bool(np.allclose(here, there, rtol=MET, atol=0.0))
@@ -326,6 +327,14 @@ def _have_met(row: Ranked, better: Ranked) -> bool:
 
 MET = 0.01
 """Relative difference of all numbers of two fits that have come to one point."""
+
+
+def _but_once(ranked: Sequence[Ranked], are_one: Callable[[Ranked, Ranked], bool] = _have_met) -> list[Ranked]:
+    """The rows, the best first, without those that are one with a better one that stays."""
+    kept: list[Ranked] = []
+    for row in ranked:
+        kept += [] if any(are_one(row, better) for better in kept) else [row]
+    return kept
 
 
 def refit(evaluator: Evaluator, base: Fit, begun: Hypothesis) -> Fit | None:

@@ -33,7 +33,10 @@ from identification.sketch import (
 )
 from models.effects import Registry
 
-FINALISTS = 4
+FINALISTS, LASTING_FINALISTS = 4, 3
+"""Sketches that are refitted, and beside them those of kinds that act over the length of a record: these are sketched
+on more of the records, so that their shares are not to be held against the others'."""
+
 REFITS_PER_KIND = 2
 
 
@@ -135,7 +138,9 @@ def finals(
         progress: told what is being done.
         known: refitted before; what is like one of them is not refitted again.
     """
-    best = _best(sketches, FINALISTS, REFITS_PER_KIND)
+    lasting = [sketch for sketch in sketches if sketch.effect.family == "time"]
+    instant = [sketch for sketch in sketches if sketch.effect.family != "time"]
+    best = by_share([*_best(instant, FINALISTS), *_best(lasting, LASTING_FINALISTS)])
     finalists = [sketch for sketch in best if not any(is_alike(sketch.fit, row.fit) for row in known)]
     ranked: list[Ranked] = []
     beaten: list[tuple[Fit, float]] = []
@@ -179,20 +184,21 @@ def _leads(result: Fit, sketch: Sketch) -> bool:
 
 def _is_out(sketch: Sketch, best: Sketch) -> bool:
     """Whether a sketch already shows that it will not reach what the best one reached."""
-    return sketch.fit.ratio > RULED_OUT * best.fit.ratio or sketch.share < LEFT_BEHIND * best.share
+    left_behind = sketch.base is best.base and sketch.share < LEFT_BEHIND * best.share
+    return left_behind or sketch.fit.ratio > RULED_OUT * best.fit.ratio
 
 
 LEFT_BEHIND = 0.85
 """A sketch that takes away a smaller share of what the best one does is not refitted when that reaches the noise."""
 
 
-def _best(sketches: Sequence[Sketch], most: int, per_kind: int) -> list[Sketch]:
-    """The best sketches, a few of each kind, without those far behind."""
+def _best(sketches: Sequence[Sketch], most: int) -> list[Sketch]:
+    """The best of sketches on the same records, a few of each kind, without those far behind."""
     chosen: list[Sketch] = []
     for sketch in apart(by_share(sketches)):
         same = [other for other in chosen if other.effect.kind == sketch.effect.kind]
         behind = len(chosen) >= LEAST_REFITS and sketch.share < FAR_BEHIND * chosen[0].share
-        if len(same) < per_kind and not behind and sketch.share > 0:
+        if len(same) < REFITS_PER_KIND and not behind and sketch.share > 0:
             chosen.append(sketch)
     return chosen[:most]
 

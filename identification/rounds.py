@@ -13,7 +13,7 @@ from identification.evidence import (
     reweighed,
 )
 from identification.faults import suspicion
-from identification.fit import Fit, fit
+from identification.fit import LOOK, LOOK_TOLERANCE, Fit, fit
 from identification.followed_again import explains_its_own
 from identification.hypothesis import Hypothesis
 from identification.in_its_place import with_others_there
@@ -150,8 +150,8 @@ def _recalibrated(session: Session, base: Fit, found: Fit) -> Fit | None:
     return again if base.cost - again.cost > max(100.0, 0.02 * base.cost) else None
 
 
-LOOK, LOOK_TOLERANCE, WORTH_MORE = 5, 0.02, 1.2
-"""Iterations and tolerance of a look at another calibration; how far above the one so far it may end to be followed."""
+WORTH_MORE = 1.2
+"""Times the cost of the calibration so far, up to which a look at another one may end to be followed."""
 
 
 def with_other_starts(session: Session, base: Fit, ranked: list[Ranked]) -> list[Ranked]:

@@ -22,6 +22,12 @@ PATTERN = (
 )  # fmt: skip
 """A quarter with nothing hidden, 55 % with one effect, a tenth each with two and with one outside the library."""
 
+PATTERN_MORE_OUTSIDE = (
+    OUTSIDE, ONE, NOTHING, ONE, OUTSIDE, ONE, NOTHING, TWO, ONE, OUTSIDE,
+    NOTHING, ONE, ONE, OUTSIDE, NOTHING, ONE, TWO, OUTSIDE, ONE, NOTHING,
+)  # fmt: skip
+"""A quarter with one outside the library, at the cost of single effects: a share of few cases is known badly."""
+
 
 KINDS: Mapping[str, type[Effect]] = {
     kind: cls
@@ -91,8 +97,9 @@ def _order(batch: Batch) -> Iterator[tuple[str, int]]:
     drawn = dict.fromkeys((NOTHING, ONE, TWO, OUTSIDE), 0)
     if batch.first_law:
         drawn[OUTSIDE] = laws.index(batch.first_law)
+    pattern = PATTERN_MORE_OUTSIDE if batch.more_outside else PATTERN
     for place in count():
-        group = PATTERN[place % len(PATTERN)]
+        group = pattern[place % len(pattern)]
         number = drawn[group]
         drawn[group] += 1
         yield (kinds[number % len(kinds)], number // len(kinds)) if group == ONE else (group, number)

@@ -84,6 +84,7 @@ class Batch:
         first_kind, first_law: of the library and outside of it, with which its cases begin; the first there are where
             it is not said.
         n_laws: how many of the laws outside take turns, the first of them (``outside.OUTSIDE_LAWS``).
+        more_outside: whether a quarter of its cases lies outside the library, not a tenth.
     """
 
     diagnosis: str
@@ -94,6 +95,7 @@ class Batch:
     first_kind: str = ""
     first_law: str = ""
     n_laws: int = 6
+    more_outside: bool = False
 
 
 @dataclass(frozen=True)

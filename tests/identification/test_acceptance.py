@@ -4,17 +4,31 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from trial_records import REFERENCE, evaluator_of, fit_of, measured, moved, multisine, oscillator
+from trial_records import (
+    REFERENCE,
+    beam_session,
+    evaluator_of,
+    fit_of,
+    found_with,
+    measured,
+    moved,
+    multisine,
+    oscillator,
+)
 
+from identification import acceptance
 from identification.acceptance import (
     accepted,
+    fit_without,
     in_doubt,
     is_enough,
     is_explained,
     is_of_one_law,
+    look_without,
     pruned,
     refuted,
     verdict_of,
+    worth_fitting,
 )
 from identification.established import NO_LAW_OF_ALL, NO_SIZE, TOLD_BY_PARTS
 from identification.evaluate import unwhitened
@@ -28,6 +42,7 @@ from identification.rest_target import ModesTarget
 from models.effects import Place
 from models.effects.coulomb_friction import CoulombFriction
 from models.effects.point_mass import PointMass
+from models.effects.sensor_gain import SensorGain
 from models.record import ModeShapeRecord
 
 MASS = PointMass(Place(position=0.7), mass=0.3)
@@ -402,3 +417,23 @@ def test_what_reaches_the_noise_is_refuted_by_what_no_numbers_explain(explained,
 
     assert len(session.decisions) == len(told)
     assert all(said.startswith(words.format(MASS.label())) for said, words in zip(session.decisions, told, strict=True))
+
+
+def test_a_model_with_an_effect_less_is_fitted_to_its_end_only_where_its_first_steps_come_near(monkeypatch):
+    gain, mass = SensorGain(Place(sensor="P4"), gain=0.8), PointMass(Place(position=0.86), mass=1e-4)
+    session = beam_session(gain)
+    calibrated, found = found_with(session), found_with(session, mass, gain)
+    assert worth_fitting(found) == pytest.approx(3.0, rel=0.1)
+    assert look_without(session, calibrated, found, 0).ratio < worth_fitting(found)
+    assert look_without(session, calibrated, found, 1).ratio > worth_fitting(found)
+    fitted = []
+
+    def to_its_end(session, calibrated, found, index):
+        fitted.append(index)
+        return fit_without(session, calibrated, found, index)
+
+    monkeypatch.setattr(acceptance, "fit_without", to_its_end)
+    ((taken, less),) = pruned(session, calibrated, found, newest=1)
+    assert (taken, less.ratio) == (0, pytest.approx(1.0, abs=0.1))
+    assert pruned(session, calibrated, found, newest=0) == []
+    assert fitted == [0]

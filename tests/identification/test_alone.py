@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from trial_records import beam_session, fit_of, found_with
 
-from identification import alone
+from identification import alone, anew
 from identification.alone import one_alone
 from identification.evidence import Ranked
 from models.effects import EFFECTS, Place
@@ -76,6 +76,15 @@ def test_what_was_never_fitted_to_all_replaces_nothing(monkeypatch):
         monkeypatch.setattr(alone, "judged_anew", lambda *_, rows=rows: rows)
         less = one_alone(session, found, found)
         assert (less and less.fit.hypothesis.effects[-1].kind) == kind
+
+
+def test_others_are_not_fitted_where_no_first_fit_comes_near(monkeypatch):
+    session = beam_session(MASS, GAIN)
+    found = found_with(session, MASS, GAIN)
+    session.registry = {kind: EFFECTS[kind] for kind in ("point_stiffness", "axial_load")}
+    monkeypatch.setattr(anew, "finals", lambda *_: pytest.fail("fitted"))
+
+    assert one_alone(session, found_with(session), found) is None
 
 
 @pytest.mark.study

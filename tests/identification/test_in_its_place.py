@@ -197,6 +197,16 @@ def test_of_fits_that_have_met_one_is_left(iterations):
     assert [row.effect.mass for row in rows] == [pytest.approx(0.1, rel=0.01)]
 
 
+def test_above_the_noise_one_kind_in_one_valley_is_not_fitted_to_the_end(monkeypatch):
+    session = beam_session(PointMass(at(0.86), mass=0.1), SensorGain(Place(sensor="P4"), gain=0.8))
+    best = Ranked.of(found_with(session, PointMass(at(0.86), mass=0.1)))
+    near = replace(best, effect=replace(best.effect, mass=1.2 * best.effect.mass), log_evidence=-0.1)
+    assert best.fit.ratio > EXPLAINED
+    monkeypatch.setattr(in_its_place, "fit", lambda *_, **__: pytest.fail("fitted"))
+
+    assert settled_apart(session.fitting, [best, near], lambda _: None) == [best, near]
+
+
 def test_fits_that_have_not_met_are_two():
     session = beam_session(PointMass(at(0.86), mass=0.1))
     alone = Ranked.of(found_with(session, PointMass(at(0.86), mass=0.1)))

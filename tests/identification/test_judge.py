@@ -11,7 +11,7 @@ from identification.evidence import Ranked, log_occam
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, effect_unknowns
 from identification.in_its_place import RULED_OUT
-from identification.judge import LEAST_REFITS, _best, finals, judge, restarted
+from identification.judge import FINALISTS, LEAST_REFITS, _best, finals, judge, restarted
 from identification.look import View
 from identification.prepare import start_unknowns
 from identification.sketch import FAR_BEHIND, Sketch
@@ -45,15 +45,15 @@ def test_the_best_sketches_are_few_of_each_kind():
     rows = [sketch(PointMass(Place(position=x), mass=0.1), 0.9 - x / 10) for x in (0.2, 0.6, 1.0)]
     rows += [sketch(PointDamping(HERE, damping=1.0), 0.8)]
 
-    assert kinds(_best(rows, 4, 2)) == ["point_mass", "point_mass", "point_damping"]
-    assert len(_best(rows, 1, 2)) == 1
+    assert kinds(_best(rows, 4)) == ["point_mass", "point_mass", "point_damping"]
+    assert len(_best(rows, 1)) == 1
 
 
 def test_two_sketches_that_ended_at_one_place_are_one():
     rows = [sketch(PointMass(Place(position=x), mass=0.1), 0.9) for x in (0.7, 0.71)]
     rows.append(sketch(PointMass(Place(position=0.9), mass=0.1), 0.6))
 
-    assert [s.fit.hypothesis.effects[-1].place.position for s in _best(rows, 4, 2)] == [0.7, 0.9]
+    assert [s.fit.hypothesis.effects[-1].place.position for s in _best(rows, 4)] == [0.7, 0.9]
 
 
 def test_a_sleeve_and_its_position_are_one_place():
@@ -63,7 +63,7 @@ def test_a_sleeve_and_its_position_are_one_place():
 
     rows = [sketch(beside, 0.9), sketch(at_sleeve, 0.8), sketch(elsewhere, 0.7)]
 
-    assert [s.effect for s in _best(rows, 4, 2)] == [beside, elsewhere]
+    assert [s.effect for s in _best(rows, 4)] == [beside, elsewhere]
 
 
 def test_those_far_behind_are_left_out_when_there_are_enough_and_those_that_worsen_always():
@@ -72,9 +72,9 @@ def test_those_far_behind_are_left_out_when_there_are_enough_and_those_that_wors
     rows = [sketch(effect, 0.9) for effect in close] + [sketch(far, 0.9 * FAR_BEHIND - 0.05)]
 
     assert len(close) == LEAST_REFITS
-    assert "sensor_gain" not in kinds(_best(rows, 9, 2))
-    assert "sensor_gain" in kinds(_best(rows[1:], 9, 2))
-    assert _best([sketch(MASS, -0.1)], 9, 2) == []
+    assert "sensor_gain" not in kinds(_best(rows, 9))
+    assert "sensor_gain" in kinds(_best(rows[1:], 9))
+    assert _best([sketch(MASS, -0.1)], 9) == []
 
 
 @pytest.fixture
@@ -134,6 +134,23 @@ def test_what_is_plainly_above_the_noise_beside_the_one_that_reaches_it_is_not_f
         ("point_mass", True),
         ("point_stiffness", False),
     ]
+
+
+def test_kinds_in_time_which_are_sketched_on_other_records_take_no_others_place(refits):
+    ratios, asked = refits
+    instant = [
+        MASS,
+        PointDamping(HERE, damping=1.0),
+        PointStiffness(HERE, stiffness=1.0),
+        SensorGain(Place(sensor="P3"), gain=0.5),
+    ]
+    lasting = [Wear(Place(sleeve=name, position=x), rate=1e-6) for name, x in (("sleeve 1", 0.45), ("sleeve 2", 1.0))]
+    ratios.update(dict.fromkeys([effect.kind for effect in (*instant, *lasting)], 2.0))
+    assert len(instant) == FINALISTS
+
+    refitted([*(sketch(effect, 0.9) for effect in lasting), *(sketch(effect, 0.6) for effect in instant)])
+
+    assert asked == ["wear", "wear", "point_mass", "point_damping", "point_stiffness", "sensor_gain"]
 
 
 def test_while_none_reaches_the_noise_all_are_refitted(refits):

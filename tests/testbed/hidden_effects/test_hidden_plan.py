@@ -1,4 +1,5 @@
 from collections import Counter
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 from models.errors import InputError
 from testbed.hidden_effects.outside import OUTSIDE_LAWS
 from testbed.hidden_effects.plan import KINDS, planned
-from testbed.hidden_effects.sets import REPORTED, SETS, TUNING, Span
+from testbed.hidden_effects.sets import REPORTED, SETS, TUNING, Batch, Span
 
 
 def test_each_beginning_has_the_mix():
@@ -22,15 +23,21 @@ def test_more_cases_begin_with_the_fewer_and_no_case_comes_twice():
     assert len(set(many)) == 200
 
 
-def test_the_batches_follow_each_other_and_each_begins_with_the_mix():
+def test_the_batches_follow_each_other():
     *full, (last, _) = REPORTED.batches.items()
     before = sum(batch.cases for _, batch in full)
     tasks = planned("reported", before + 60)
     assert Counter(task.seed for task in tasks) == {seed: batch.cases for seed, batch in full} | {last: 60}
     assert list(dict.fromkeys(task.seed for task in tasks)) == list(REPORTED.batches)
-    assert [t.kind if t.kind not in KINDS else "one" for t in tasks[-60:]] == [
-        t.kind if t.kind not in KINDS else "one" for t in tasks[:60]
-    ]
+
+
+@pytest.mark.parametrize(("more_outside", "outside"), [(False, 2), (True, 5)])
+def test_a_batch_has_the_mix_that_it_says(monkeypatch, more_outside, outside):
+    monkeypatch.setitem(SETS, "tuning", replace(TUNING, batches={7: Batch("as it is", more_outside=more_outside)}))
+    for cases in (20, 40):
+        mix = Counter("one" if task.kind in KINDS else task.kind for task in planned("tuning", cases))
+        whole = {"nothing": 5, "one": 13 - outside, "two": 2, "outside": outside}
+        assert mix == {group: count * cases // 20 for group, count in whole.items()}
 
 
 def test_a_batch_begins_with_the_kind_and_the_law_that_it_says():
