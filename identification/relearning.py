@@ -79,7 +79,7 @@ def everything_again(
         ended: one of them that is there already.
     """
     rows = [[row for row in ranked if row.refitted] for ranked in rounds]
-    fits = [fitted_again(session, [row.fit for row in ranked], ended) for ranked in rows]
+    fits = [[_row_again(session, row, ranked[0], ended) for row in ranked] for ranked in rows]
     again = [[_with_fit(*pair) for pair in zip(*both, strict=True)] for both in zip(rows, fits, strict=True)]
     return fitted_again(session, chain, ended), [reweighed(old, new) for old, new in zip(rounds, again, strict=True)]
 
@@ -93,6 +93,20 @@ def fitted_again(session: Session, results: list[Fit], ended: Fit | None = None)
         ended: one of them that is there already.
     """
     return [result if result is ended else _again(session, result) for result in results]
+
+
+def _row_again(session: Session, row: Ranked, first: Ranked, ended: Fit | None) -> Fit:
+    """The fit of a row again; of one that another noise of the same records does not bring near, where it is."""
+    if row.fit is ended:
+        return row.fit
+    fitting, begun = begun_by(session.fitting, row.fit.hypothesis)
+    if fitting.n_judged == row.fit.n_data and row.log_evidence < first.log_evidence - HOPELESS:
+        return fit(fitting, begun, row.fit.unknowns, max_iterations=0)
+    return _again(session, row.fit)
+
+
+HOPELESS = 100.0
+"""Logarithm of the odds against a row that another noise does not bring near."""
 
 
 def _again(session: Session, result: Fit) -> Fit:

@@ -1,15 +1,20 @@
 """Models and rankings follow what a diagnosis fits on, and the noise as it is known."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
-from trial_records import OSCILLATOR, rising_session
+from trial_records import OSCILLATOR, beam_session, found_with, rising_session
 
 from identification.evidence import Ranked
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
+from identification.noise_left import with_noise
 from identification.outcome import candidates_of
-from identification.relearning import everything_again, fitted_again
+from identification.relearning import HOPELESS, everything_again, fitted_again
 from models.effects import Place
 from models.effects.cubic_stiffness import CubicStiffness
+from models.effects.point_mass import PointMass
 
 
 def test_what_was_ranked_on_the_part_is_ranked_on_the_whole():
@@ -36,3 +41,19 @@ def test_a_fit_that_has_ended_is_not_made_again():
 
     assert chain[0] is ended
     assert chain[1] is not other
+
+
+@pytest.mark.parametrize(("behind", "moved"), [(0.5 * HOPELESS, True), (2.0 * HOPELESS, False)])
+def test_a_hopeless_row_stays_where_it_is_and_is_weighed_on_the_noise_as_it_is_now(behind, moved):
+    session = beam_session(PointMass(Place(position=0.86), mass=0.1))
+    right = Ranked.of(found_with(session, PointMass(Place(position=0.86), mass=0.1)))
+    begun = found_with(session, PointMass(Place(position=0.5), mass=0.05), iterations=0)
+    row = replace(Ranked.of(begun), log_evidence=-behind)
+    louder = [replace(target.noise, sensors=2.0 * target.noise.sensors) for target in session.fitting.timed]
+    session.fitting = with_noise(session.fitting, louder, right.fit.hypothesis, np.random.default_rng(0))
+
+    _, (rows,) = everything_again(session, [], [[right, row]])
+
+    again = next(each for each in rows if each.effect.place != right.effect.place and each is not rows[0])
+    assert (again.effect != row.effect) == moved
+    assert again.fit.chi2 < 0.5 * begun.chi2
