@@ -106,7 +106,7 @@ def predicted(session: Session, records: Sequence[AnyRecord], bare: Hypothesis, 
     seconds, whole = (sum(target.record.duration for target in each.timed) for each in (followed.heard, evaluator))
     if not evaluator.timed or seconds < CLEARLY_LESS * whole:
         return False
-    met = all(row.nrmse <= NOISE_REACHED * row.noise_nrmse for row in (*scores.records, *scores.at_rest))
+    met = all(row.nrmse <= NOISE_REACHED * row.noise_nrmse for row in scores.rows)
     return met and not _is_met_by(followed.heard, bare)
 
 
@@ -123,7 +123,7 @@ def holds_on(session: Session, records: Sequence[AnyRecord], model: Hypothesis) 
         scores = score(followed.heard, followed.known)
     except ArithmeticError:
         return False
-    return all(is_met(row) for row in (*scores.records, *scores.at_rest))
+    return all(is_met(row) for row in scores.rows)
 
 
 def left_of(kept: KeptAside, model: Hypothesis) -> float:
@@ -143,7 +143,7 @@ def left_of(kept: KeptAside, model: Hypothesis) -> float:
         scores = score(heard, with_starts(heard, model))
     except ArithmeticError:
         return inf
-    return sum(beyond_noise(row) ** 2 for row in (*scores.records, *scores.at_rest))
+    return sum(beyond_noise(row) ** 2 for row in scores.rows)
 
 
 def _is_met_by(followed: Evaluator, model: Hypothesis) -> bool:
@@ -200,7 +200,7 @@ def _judged(whole: Evaluator, followed: Followed) -> list[tuple[str, str, bool]]
     """Of each record its name, what the model leaves there, in words, and whether noise and its error explain it."""
     durations = {target.record.name: target.record.duration for target in whole.timed}
     scores = score(followed.heard, followed.known)
-    return [_in_words(row, durations, _model(followed.known)) for row in (*scores.records, *scores.at_rest)]
+    return [_in_words(row, durations, _model(followed.known)) for row in scores.rows]
 
 
 def is_met(row: RecordScore | FrfScore | ModesScore) -> bool:

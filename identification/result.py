@@ -100,14 +100,19 @@ class Score:
         return next(row for row in self.records if row.record.name == name)
 
     @property
+    def rows(self) -> tuple[RecordScore | FrfScore | ModesScore, ...]:
+        """All of them."""
+        return (*self.records, *self.at_rest)
+
+    @property
     def nrmse(self) -> float:
         """Overall error."""
-        return float(np.sqrt(np.mean([r.nrmse**2 for r in (*self.records, *self.at_rest)])))
+        return float(np.sqrt(np.mean([row.nrmse**2 for row in self.rows])))
 
     @property
     def noise_nrmse(self) -> float:
         """Overall error of a perfect model."""
-        return float(np.sqrt(np.mean([r.noise_nrmse**2 for r in (*self.records, *self.at_rest)])))
+        return float(np.sqrt(np.mean([row.noise_nrmse**2 for row in self.rows])))
 
 
 @dataclass(frozen=True, eq=False)

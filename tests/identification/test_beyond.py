@@ -59,7 +59,14 @@ def test_a_force_that_remembers_is_none_of_the_library(named):
     assert found.row.effect.place.position == pytest.approx(0.86, abs=0.01)
 
 
-@pytest.mark.parametrize("true", [FRICTION, HYSTERESIS, ABSORBER, DASHPOT, PointMass(THERE, mass=0.1)])
+@pytest.mark.parametrize(
+    "true",
+    [
+        FRICTION,
+        HYSTERESIS,
+        *(pytest.param(each, marks=STUDY) for each in (ABSORBER, DASHPOT, PointMass(THERE, mass=0.1))),
+    ],
+)
 def test_what_is_right_explains_what_more_general_laws_would(true):
     _, found = asked(true, named=[true])
     assert found is None

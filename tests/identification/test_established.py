@@ -10,12 +10,14 @@ from trial_records import REFERENCE, fit_of
 from identification.established import (
     NO_LAW,
     NO_LAW_OF_ALL,
+    NO_NUMBER,
     NO_PLACE,
     NO_SIZE,
     NOWHERE,
     TOLD,
     TOLD_BY_PARTS,
     TWO_PLACES,
+    UNTOLD,
     of_one_law,
     unestablished,
 )
@@ -92,6 +94,15 @@ def test_what_parts_of_the_data_disagree_about_is_a_doubt_of_the_law_where_the_n
     assert unestablished(widely) == (0, NO_LAW_OF_ALL)
     assert unestablished(widely, predicted=True) is None
     assert unestablished(replace(widely, chi2=1.2**2 * widely.n_data)) is None
+
+
+def test_a_law_of_which_parts_leave_no_number_known_is_doubted_whatever_it_predicts():
+    for share, why in ((0.9, None), (1.1, (0, NO_NUMBER))):
+        found = known_together(CoulombFriction(AT, 5.0, 1.0), share**2 * 2.0 * UNTOLD**2, 1e-4)
+        found = replace(found, widened=np.array([10.0, 10.0]))
+        assert unestablished(found, predicted=True) == why
+        assert unestablished(found) == (why or (0, NO_LAW_OF_ALL))
+        assert unestablished(replace(found, chi2=1.2**2 * found.n_data)) is None
 
 
 def test_what_all_laws_miss_is_no_doubt_of_the_law():
