@@ -16,6 +16,7 @@ from identification.fewer import Fewer
 from identification.fit import Fit
 from identification.in_its_place import settled_apart
 from identification.judge import restarted
+from identification.pieces import fit_from_own_starts
 from identification.rounds import told_apart
 from identification.session import Session
 from identification.sketch import is_alike
@@ -72,7 +73,7 @@ def _each_of_them(session: Session, calibrated: Fit, found: Fit) -> list[Fit]:
             continue
         less = restarted(session.fitting, calibrated, look)
         if less.ratio <= worth_fitting(found):
-            less = fit_at(session, calibrated, less.hypothesis, polished=True)
+            less = fit_from_own_starts(session.fitting, fit_at(session, calibrated, less.hypothesis, polished=True))
             fits += [less] if explains_as_much(session, less, found) else []
     return fits
 

@@ -11,15 +11,15 @@ from dataclasses import dataclass, replace
 
 from identification.acceptance import passing
 from identification.anew import WORTH_REFITTING, ranked_beside
-from identification.evidence import Ranked, log_fit, misfit_in_common, misfit_of
+from identification.evidence import LEAST_EVIDENCE, Ranked, log_fit, log_standing, misfit_in_common, misfit_of
 from identification.exchange import fit_at
 from identification.fit import Fit
 from identification.in_its_place import EXPLAINED
 from identification.judge import LARGE
 from identification.look import afar, beside
-from identification.reached import LEAST_SHARE, NOISE_REACHED, takes_away
+from identification.reached import LEAST_SHARE, reaches_noise, takes_away
 from identification.rounds import told_apart
-from identification.scene import is_same_place
+from identification.scene import is_same_place, valley
 from identification.session import Session
 from identification.told_by_all import behind_by
 from models.effects import Effect
@@ -79,7 +79,7 @@ def another_first(
         except ArithmeticError:
             continue
         seen = told_apart(session, seen)
-        if seen and _reaches_the_noise(session, base, seen[0]):
+        if _is_explained(session, base, seen):
             why = (
                 f"beside that {seen[0].effect.label()} leaves {seen[0].fit.ratio:.2f} times the noise, beside {first} "
                 f"nothing less than {nearest.ratio:.2f}"
@@ -89,10 +89,15 @@ def another_first(
     return None
 
 
-def _reaches_the_noise(session: Session, base: Fit, best: Ranked) -> bool:
-    """Whether a second effect explains the records, all along what was not fitted too."""
-    near = best.refitted and best.fit.ratio <= NOISE_REACHED
-    return near and session.holds(best.fit.hypothesis) and passing(session, base, best) is None
+def _is_explained(session: Session, base: Fit, ranked: Sequence[Ranked]) -> bool:
+    """Whether the best of what is seen beside a runner-up reaches the noise, and would be added to it."""
+    if not (ranked and ranked[0].refitted):
+        return False
+    best = ranked[0]
+    odds = best.log_evidence - log_standing(base, misfit_in_common(ranked))
+    speaks = odds >= LEAST_EVIDENCE and takes_away(base, best.fit) >= LEAST_SHARE
+    reached = speaks and reaches_noise(session.fitting, best.fit)
+    return reached and session.holds(best.fit.hypothesis) and passing(session, base, best) is None
 
 
 def _runners_up(calibrated: Fit, found: Fit, first_round: Sequence[Ranked]) -> list[Ranked]:
@@ -108,10 +113,13 @@ def _runners_up(calibrated: Fit, found: Fit, first_round: Sequence[Ranked]) -> l
 
 
 def _are_one(one: Effect, other: Effect, rig: Rig) -> bool:
-    """Whether two effects act at one place, both in its sleeve or neither, or are of one kind, where they have none."""
-    if one.place.position is None:
-        return one.kind == other.kind and one.place == other.place
-    return one.place.sleeve == other.place.sleeve and is_same_place(one.place, other.place, rig)
+    """Whether two effects act in one sleeve or one valley along the beam, or are of one kind where they have none."""
+    here, there = one.place, other.place
+    if here.position is None:
+        return one.kind == other.kind and here == there
+    if here.sleeve is not None or there.sleeve is not None or there.position is None:
+        return here == there
+    return abs(here.position - there.position) < valley(rig) or is_same_place(here, there, rig)
 
 
 def _in_front(row: Ranked, base: Fit, first_round: Sequence[Ranked], before: Fit, now: Fit) -> list[Ranked]:

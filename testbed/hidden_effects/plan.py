@@ -26,7 +26,7 @@ PATTERN_MORE_OUTSIDE = (
     OUTSIDE, ONE, NOTHING, ONE, OUTSIDE, ONE, NOTHING, TWO, ONE, OUTSIDE,
     NOTHING, ONE, ONE, OUTSIDE, NOTHING, ONE, TWO, OUTSIDE, ONE, NOTHING,
 )  # fmt: skip
-"""A quarter with one outside the library, at the cost of single effects: a share of few cases is known badly."""
+"""A quarter with one outside the library and 40 % with one effect: of those outside there were too few for a share."""
 
 
 KINDS: Mapping[str, type[Effect]] = {

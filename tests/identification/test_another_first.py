@@ -4,7 +4,7 @@ from dataclasses import replace
 from math import inf
 
 import pytest
-from trial_records import beam_session, found_with
+from trial_records import REFERENCE, beam_session, found_with
 
 from identification import another_first as module
 from identification.anew import WORTH_REFITTING
@@ -12,13 +12,17 @@ from identification.another_first import another_first
 from identification.evidence import Ranked
 from identification.in_its_place import EXPLAINED
 from identification.relearning import everything_again
+from identification.scene import valley
 from models.effects import EFFECTS, Place
 from models.effects.axial_load import AxialLoad
 from models.effects.local_damage import LocalDamage
+from models.effects.point_damping import PointDamping
 from models.effects.point_mass import PointMass
 from models.effects.sensor_gain import SensorGain
 
 DAMAGE, GAIN = LocalDamage(Place(position=0.64), loss=0.08, width=0.1), SensorGain(Place(sensor="P4"), gain=0.96)
+LIGHT = PointMass(Place(position=1.0), mass=0.001)
+THERE = PointDamping(Place(position=1.0 + 0.8 * valley(REFERENCE)), damping=1.0)
 LOAD, NEAR_BY = AxialLoad(Place(), force=-5.0), PointMass(Place(position=0.64), mass=0.001)
 
 
@@ -76,22 +80,46 @@ def test_the_one_beside_which_the_other_is_seen_takes_the_place_of_an_imitation(
 
 def test_it_stays_in_front_when_all_are_fitted_again(asked):
     chain = [asked.calibrated, asked.rows[DAMAGE].fit]
-    other = asked.about(LOAD, DAMAGE)
+    other = asked.about(LOAD, DAMAGE, GAIN)
 
     _, (again,) = everything_again(asked.session, chain, [other.round])
 
-    for first, imitation in (other.round, again):
-        assert (first.effect.kind, imitation.effect.kind) == ("local_damage", "axial_load")
+    for ranked in (other.round, again):
+        first, *others = ranked
+        assert first.effect.kind == "local_damage"
+        (imitation,) = (row for row in others if row.effect.kind == "axial_load")
         assert first.log_evidence - imitation.log_evidence > 1000.0
         assert not imitation.refitted
 
 
-def test_a_pair_that_stays_above_the_noise_or_is_lost_elsewhere_takes_no_place(asked, monkeypatch):
-    with monkeypatch.context() as there:
-        there.setattr(module, "NOISE_REACHED", 0.5)
-        assert asked.about(LOAD, DAMAGE) is None
-    monkeypatch.setattr(type(asked.session), "holds", lambda *_: False)
+@pytest.mark.parametrize(
+    ("name", "answer"),
+    [
+        ("reaches_noise", False),
+        ("LEAST_EVIDENCE", 1e9),
+        ("LEAST_SHARE", 2.0),
+        ("passing", "an event"),
+    ],
+)
+def test_a_pair_that_would_not_be_added_takes_no_place(asked, monkeypatch, name, answer):
+    monkeypatch.setattr(module, "_runners_up", lambda *_: [asked.rows[DAMAGE]])
+    monkeypatch.setattr(module, name, (lambda *_: answer) if callable(getattr(module, name)) else answer)
+
     assert asked.about(LOAD, DAMAGE) is None
+
+
+def test_a_pair_whose_motion_is_lost_in_whole_records_takes_no_place(asked, monkeypatch):
+    monkeypatch.setattr(type(asked.session), "holds", lambda *_: False)
+
+    assert asked.about(LOAD, DAMAGE) is None
+
+
+def test_what_imitates_in_one_valley_is_asked_once(asked, looked):
+    asked.rows[THERE] = replace(asked.rows[GAIN], effect=THERE)
+    asked.rows[LIGHT] = replace(asked.rows[GAIN], effect=LIGHT)
+
+    assert asked.about(LOAD, LIGHT, THERE, DAMAGE) is None
+    assert looked == ["sensor_gain", "local_damage"]  # the mass has the fit of the gain
 
 
 def test_no_other_is_asked_where_something_is_seen_beside_the_first(asked, looked):

@@ -1,5 +1,6 @@
 """The judgement: few of each kind are refitted, and what the beginning rules out is not."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -11,7 +12,7 @@ from identification.evidence import Ranked, log_occam
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, effect_unknowns
 from identification.in_its_place import RULED_OUT
-from identification.judge import FINALISTS, LEAST_REFITS, _best, finals, judge, restarted
+from identification.judge import FINALISTS, LEAST_REFITS, LEFT_BEHIND, _best, finals, judge, restarted
 from identification.look import View
 from identification.prepare import start_unknowns
 from identification.sketch import FAR_BEHIND, Sketch
@@ -151,6 +152,19 @@ def test_kinds_in_time_which_are_sketched_on_other_records_take_no_others_place(
     refitted([*(sketch(effect, 0.9) for effect in lasting), *(sketch(effect, 0.6) for effect in instant)])
 
     assert asked == ["wear", "wear", "point_mass", "point_damping", "point_stiffness", "sensor_gain"]
+
+
+def test_shares_of_other_records_are_not_held_against_each_other(refits):
+    ratios, asked = refits
+    ratios.update(point_mass=1.0, wear=1.0)
+    lasting = replace(sketch(Wear(Place(sleeve="sleeve 1", position=0.45), rate=1e-6), 0.2), base=fit_of(MASS, 200.0))
+    first = sketch(MASS, 0.9)
+    assert lasting.share < LEFT_BEHIND * first.share
+    near = replace(lasting, fit=replace(lasting.fit, chi2=first.fit.chi2))
+
+    refitted([first, near])
+
+    assert asked == ["point_mass", "wear"]
 
 
 def test_while_none_reaches_the_noise_all_are_refitted(refits):
