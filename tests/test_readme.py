@@ -70,6 +70,8 @@ def test_the_other_figures_of_the_hidden_effects_are_those_of_the_results():
         told = _hidden_effects()["seconds of a diagnosis on two threads, median"][place]
         assert told.startswith(f"{seconds['value']:.1f}, of {seconds['cases']} cases")
     assert f"Each of the {results['cases']} cases" in README
+    assert f"| {results['cases']} reported cases in " in README
+    assert f"hidden-effects --cases {results['cases']}`" in README
     missed = [bar["name"] for bar in results["bars"] if not bar["met"]]
     assert {1: "one of nine bars is missed", 2: "two of nine bars are missed"}[len(missed)] in README
     assert "**Missed bars**" in README.partition("## Known limits")[2]
