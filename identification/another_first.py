@@ -19,7 +19,7 @@ from identification.judge import LARGE
 from identification.look import afar, beside
 from identification.reached import LEAST_SHARE, reaches_noise, takes_away
 from identification.rounds import told_apart
-from identification.scene import is_same_place, valley
+from identification.scene import in_one_valley, valley
 from identification.session import Session
 from identification.told_by_all import behind_by
 from models.effects import Effect
@@ -114,12 +114,9 @@ def _runners_up(calibrated: Fit, found: Fit, first_round: Sequence[Ranked]) -> l
 
 def _are_one(one: Effect, other: Effect, rig: Rig) -> bool:
     """Whether two effects act in one sleeve or one valley along the beam, or are of one kind where they have none."""
-    here, there = one.place, other.place
-    if here.position is None:
-        return one.kind == other.kind and here == there
-    if here.sleeve is not None or there.sleeve is not None or there.position is None:
-        return here == there
-    return abs(here.position - there.position) < valley(rig) or is_same_place(here, there, rig)
+    if one.place.position is None:
+        return one.kind == other.kind and one.place == other.place
+    return in_one_valley(one.place, other.place, valley(rig))
 
 
 def _in_front(row: Ranked, base: Fit, first_round: Sequence[Ranked], before: Fit, now: Fit) -> list[Ranked]:

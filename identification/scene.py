@@ -97,6 +97,19 @@ SAME_PLACE = 0.02
 """Share of the length within which two positions are one."""
 
 
+def in_one_valley(here: Place, there: Place, apart: float) -> bool:
+    """Whether two places are one, or lie along the beam, neither in a sleeve, no farther apart than a valley is wide.
+
+    Args:
+        here: a place.
+        there: another.
+        apart: m (``valley``).
+    """
+    if here.position is None or there.position is None or here.sleeve or there.sleeve:
+        return here == there
+    return abs(here.position - there.position) <= apart
+
+
 def valley(rig: Rig) -> float:
     """Distance, m, within which two places of the grid lie in one valley.
 

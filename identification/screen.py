@@ -15,7 +15,7 @@ from identification.hypothesis import Hypothesis
 from identification.in_step import tried_with
 from identification.lines import Lines
 from identification.progress import Progress
-from identification.scene import is_same_place, places_near, places_of, scenes
+from identification.scene import in_one_valley, is_same_place, places_near, places_of, scenes
 from models.arrays import FloatArray
 from models.effects import Registry
 from models.effects.protocol import Effect, Place
@@ -279,9 +279,4 @@ def promising(suspects: Sequence[Suspect], per_kind: int, apart: float = 0.0) ->
 
 
 def _differs(one: Effect, other: Effect, apart: float) -> bool:
-    if one.is_variant_of(other):
-        return True
-    here, there = one.place.position, other.place.position
-    if here is None or there is None or one.place.sleeve or other.place.sleeve:
-        return one.place != other.place
-    return abs(here - there) > apart
+    return one.is_variant_of(other) or not in_one_valley(one.place, other.place, apart)

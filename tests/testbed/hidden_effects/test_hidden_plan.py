@@ -1,13 +1,13 @@
 from collections import Counter
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, cycle, islice
 
 import numpy as np
 import pytest
 
 from models.errors import InputError
 from testbed.hidden_effects.outside import OUTSIDE_LAWS
-from testbed.hidden_effects.plan import KINDS, planned
+from testbed.hidden_effects.plan import KINDS, PATTERN, PATTERN_MORE_OUTSIDE, planned
 from testbed.hidden_effects.sets import REPORTED, SETS, TUNING, Batch, Span
 
 
@@ -23,12 +23,16 @@ def test_more_cases_begin_with_the_fewer_and_no_case_comes_twice():
     assert len(set(many)) == 200
 
 
-def test_the_batches_follow_each_other():
+def test_the_batches_follow_each_other_and_each_begins_with_its_mix():
     *full, (last, _) = REPORTED.batches.items()
     before = sum(batch.cases for _, batch in full)
     tasks = planned("reported", before + 60)
     assert Counter(task.seed for task in tasks) == {seed: batch.cases for seed, batch in full} | {last: 60}
     assert list(dict.fromkeys(task.seed for task in tasks)) == list(REPORTED.batches)
+    for seed, batch in REPORTED.batches.items():
+        groups = ["one" if task.kind in KINDS else task.kind for task in tasks if task.seed == seed]
+        mix = PATTERN_MORE_OUTSIDE if batch.more_outside else PATTERN
+        assert groups == list(islice(cycle(mix), len(groups)))
 
 
 @pytest.mark.parametrize(("more_outside", "outside"), [(False, 2), (True, 5)])
