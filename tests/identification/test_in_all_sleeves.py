@@ -105,7 +105,7 @@ def test_a_fit_falls_apart_into_members_that_keep_their_rounds():
     np.testing.assert_allclose(again.jacobian, found.jacobian, rtol=1e-6, atol=1e-6 * np.abs(found.jacobian).max())
 
 
-@pytest.mark.slow
+@pytest.mark.study
 def test_grease_in_both_sleeves_is_found_in_both():
     """Told sleeve by sleeve, a dashpot between them looks better than grease in one."""
     built = moved(REFERENCE, 0.5, -0.4, 0.3, 0.5, -0.5, 0.4, -0.6, 0.3, -0.2)

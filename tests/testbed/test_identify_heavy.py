@@ -67,7 +67,14 @@ def folder(tmp_path_factory):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("options", [["--channel", "A1"], [], ["--mode", "81", "--mode", "160", "--mode", "373"]])
+@pytest.mark.parametrize(
+    "options",
+    [
+        pytest.param(["--channel", "A1"], marks=pytest.mark.study),
+        [],
+        ["--mode", "81", "--mode", "160", "--mode", "373"],
+    ],
+)
 def test_what_is_told_is_a_mode_of_the_rig_and_was_followed(folder, options):
     arguments = [str(folder / "hammer_3.uff"), "--rig", str(folder / "rig.toml"), *options]
     assert main(["identify", *arguments, "--out", str(folder / "out")]) == 0

@@ -205,7 +205,7 @@ def test_in_a_decay_time_and_amplitude_are_not_told_apart():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("force_noise", [0.0, 0.02])
+@pytest.mark.parametrize("force_noise", [0.0, pytest.param(0.02, marks=pytest.mark.study)])
 def test_where_nothing_is_wrong_there_is_no_finding_in_one_case_of_a_hundred(force_noise):
     """At 1 % four of 200 cases are exceeded once in 20 times; noise of the force is white in none of them."""
     rng, alarms = np.random.default_rng(4), 0

@@ -104,7 +104,7 @@ def test_shares_of_the_frequencies_add_up():
     assert NAMES[int(np.argmax(shares.total[0]))] == "stiffness 2"
 
 
-@pytest.mark.slow
+@pytest.mark.study
 def test_the_posterior_holds_what_is_there():
     rig, truth = geometry().rig(HALF, "force"), truth_of(geometry(), HALF, "force", "modal")
     modes = tapped_modes(bench_test_by_model(HALF, "force").taps, rig)
