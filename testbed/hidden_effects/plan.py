@@ -84,10 +84,15 @@ def planned(case_set: str, cases: int, only: Sequence[str] = ()) -> tuple[Task, 
     order = (
         Task(case_set, seed, kind, number)
         for seed, batch in SETS[case_set].batches.items()
-        for kind, number in islice(_order(batch), batch.cases)
+        for kind, number in islice(_begun(batch), batch.cases)
         if not only or kind in only
     )
     return tuple(islice(order, cases))
+
+
+def _begun(batch: Batch) -> Iterator[tuple[str, int]]:
+    """Kinds and numbers without those that never ended."""
+    return (each for each in _order(batch) if each not in batch.left_out)
 
 
 def _order(batch: Batch) -> Iterator[tuple[str, int]]:

@@ -85,6 +85,7 @@ class Batch:
             it is not said.
         n_laws: how many of the laws outside take turns, the first of them (``outside.OUTSIDE_LAWS``).
         more_outside: whether a quarter of its cases lies outside the library, not a tenth.
+        left_out: kind and number of cases that were begun and never ended; ``run`` says why.
     """
 
     diagnosis: str
@@ -96,6 +97,7 @@ class Batch:
     first_law: str = ""
     n_laws: int = 6
     more_outside: bool = False
+    left_out: tuple[tuple[str, int], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -426,11 +428,12 @@ REPORTED = CaseSet(
             run="One thread each, beside up to three other processes: its seconds are too high. Its first two cases, "
             "an outside law and a chaotic wear, had been at work for half an hour of a core each by the diagnosis "
             "before. Ended by hand when what kept the wear at work had been mended: the next seed judges that. The "
-            "wear is left out after 83 minutes, another case, still being drawn or just begun, too.",
+            "wear is left out after 83 minutes, and the case at work beside it.",
             first_kind="wear",
             first_law="one_way_friction",
             n_laws=9,
             more_outside=True,
+            left_out=(("wear", 0),),
         ),
         50821: Batch(
             "7f908d5",

@@ -32,7 +32,19 @@ def test_the_batches_follow_each_other_and_each_begins_with_its_mix():
     for seed, batch in REPORTED.batches.items():
         groups = ["one" if task.kind in KINDS else task.kind for task in tasks if task.seed == seed]
         mix = PATTERN_MORE_OUTSIDE if batch.more_outside else PATTERN
-        assert groups == list(islice(cycle(mix), len(groups)))
+        if not batch.left_out:
+            assert groups == list(islice(cycle(mix), len(groups)))
+
+
+def test_what_never_ended_is_left_out_and_moves_no_other(monkeypatch):
+    drawn = []
+    for left_out in ((), (("nothing", 0), ("two", 0))):
+        batches = {7: Batch("as it is", left_out=left_out)}
+        monkeypatch.setitem(SETS, "tuning", replace(TUNING, batches=batches))
+        drawn.append([(task.kind, task.number) for task in planned("tuning", 20)])
+    whole, without = drawn
+    assert [each for each in whole if each not in {("nothing", 0), ("two", 0)}] == without[:18]
+    assert len(without) == 20
 
 
 @pytest.mark.parametrize(("more_outside", "outside"), [(False, 2), (True, 5)])
@@ -46,7 +58,7 @@ def test_a_batch_has_the_mix_that_it_says(monkeypatch, more_outside, outside):
 
 def test_a_batch_begins_with_the_kind_and_the_law_that_it_says():
     batches = REPORTED.batches.items()
-    turned = [(seed, batch) for seed, batch in batches if batch.first_kind and batch.first_law]
+    turned = [(seed, b) for seed, b in batches if b.first_kind and b.first_law and not b.left_out]
     assert turned
     for seed, batch in turned:
         kinds = [task.kind for task in of_seed(seed) if task.kind in KINDS]
