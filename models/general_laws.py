@@ -120,6 +120,47 @@ SPEEDS = (0.03, 0.1, 0.3, 1.0, 3.0)
 
 
 @dataclass(frozen=True)
+class DirectedSpeedCurve(_Curve):
+    """A resistance that is any function of the velocity, another either way, as a pawl's or a valve's."""
+
+    kind: ClassVar[str] = "resistance over speed, another either way"
+    source: ClassVar[str] = "J. C. Dixon, The Shock Absorber Handbook (2007): bump and rebound differ"
+    shapes: ClassVar[tuple[tuple[float, ...], ...]] = (
+        (1.0, 1.0, 1.0, 1.0, 0.01, 0.01, 0.01, 0.01),
+        (0.01, 0.01, 0.01, 0.01, 1.0, 1.0, 1.0, 1.0),
+        (0.03, 0.3, 1.0, 3.0, 0.01, 0.1, 0.3, 1.0),
+        (0.01, 0.1, 0.3, 1.0, 0.03, 0.3, 1.0, 3.0),
+    )
+
+    speed: float = parameter("v_1", "m/s", fitted=False, default=1.0)
+
+    @classmethod
+    def with_values(cls, scene: Scene, values: Sequence[float]) -> Self:
+        """Over the rms speed."""
+        return cls(scene.place, scene.force, tuple(values), scene.velocity)
+
+    @staticmethod
+    def law(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004
+        """N, with p = (force, values at ``DIRECTED_SPEEDS`` forwards, backwards, speed); constant beyond the last."""
+        first = 1 if v > 0.0 else 5
+        s, below, before = abs(v) / p[9], 0.0, 0.0
+        for i in range(4):
+            if s < DIRECTED_SPEEDS[i]:
+                before += (p[first + i] - before) * (s - below) / (DIRECTED_SPEEDS[i] - below)
+                break
+            below, before = DIRECTED_SPEEDS[i], p[first + i]
+        return -copysign(1.0, v) * p[0] * before
+
+    def in_words(self) -> str:
+        """What it does."""
+        return "a resistance that changes with the speed in its own way, and another way back"
+
+
+DIRECTED_SPEEDS = (0.03, 0.3, 1.0, 3.0)
+"""Knots of such a curve, in rms speeds."""
+
+
+@dataclass(frozen=True)
 class _OverDisplacement(_Curve):
     """A curve over the displacement from rest.
 
@@ -347,6 +388,6 @@ N_TIMES = 5
 """Relaxation times that are tried."""
 
 GENERAL_LAWS: dict[str, type[GeneralLaw]] = {
-    kind.kind: kind for kind in (SpeedCurve, SpringCurve, DampingCurve, FrictionCurve, Memory, Lag)
+    kind.kind: kind for kind in (SpeedCurve, DirectedSpeedCurve, SpringCurve, DampingCurve, FrictionCurve, Memory, Lag)
 }
 """Name -> class."""

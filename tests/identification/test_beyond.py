@@ -28,7 +28,16 @@ from models.effects.point_damping import PointDamping
 from models.effects.point_mass import PointMass
 from models.effects.point_stiffness import PointStiffness
 from models.effects.squeeze_film import SqueezeFilm
-from models.general_laws import GENERAL_LAWS, DampingCurve, FrictionCurve, Lag, Memory, SpeedCurve, SpringCurve
+from models.general_laws import (
+    GENERAL_LAWS,
+    DampingCurve,
+    DirectedSpeedCurve,
+    FrictionCurve,
+    Lag,
+    Memory,
+    SpeedCurve,
+    SpringCurve,
+)
 
 THERE = Place(position=0.86)
 RELAXING = Memory(THERE, stiffness=3e3, relaxation_time=8e-3)
@@ -241,7 +250,8 @@ def test_a_linear_step_promises_what_is_there():
 @pytest.mark.parametrize(
     ("kind", "values", "named"),
     [
-        pytest.param(SpeedCurve, (0.4, 0.6, 0.3, 0.05, 0.0), FRICTION),
+        pytest.param(SpeedCurve, (0.4, 0.6, 0.3, 0.05, 0.0), FRICTION, marks=STUDY),
+        (DirectedSpeedCurve, (8.0, 8.0, 8.0, 8.0, 0.0, 0.0, 0.0, 0.0), FRICTION),
         pytest.param(DampingCurve, (1.0, 0.2, 0.0, 0.2, 1.0), DASHPOT, marks=STUDY),
         pytest.param(FrictionCurve, (0.0, 0.0, 0.05, 0.5, 0.15), FRICTION, marks=STUDY),
     ],

@@ -11,10 +11,12 @@ from models.effects import EFFECTS, Place
 from models.effects.coulomb_friction import CoulombFriction
 from models.effects.protocol import Scene
 from models.general_laws import (
+    DIRECTED_SPEEDS,
     GENERAL_LAWS,
     SHARES,
     SPEEDS,
     DampingCurve,
+    DirectedSpeedCurve,
     FrictionCurve,
     Lag,
     Memory,
@@ -48,7 +50,7 @@ def test_it_is_compiled_as_it_is_written(kind):
             assert compiled == pytest.approx(force(law, q, v, 0.3), rel=1e-12, abs=1e-15)
 
 
-@pytest.mark.parametrize("kind", [SpeedCurve, SpringCurve, DampingCurve, FrictionCurve])
+@pytest.mark.parametrize("kind", [SpeedCurve, DirectedSpeedCurve, SpringCurve, DampingCurve, FrictionCurve])
 def test_a_curve_is_the_sum_of_its_pieces(kind):
     pieces = list(kind.pieces(SCENE))
     for law in kind.trials(SCENE):
@@ -63,6 +65,16 @@ def test_a_curve_is_the_sum_of_its_pieces(kind):
         (
             SpeedCurve.with_values(SCENE, [0.4 * speed for speed in SPEEDS]),
             lambda q, v: -0.4 * SCENE.force * v / SCENE.velocity if abs(v) < 0.3 else None,
+        ),
+        (
+            DirectedSpeedCurve.with_values(
+                SCENE, [0.4 * s for s in DIRECTED_SPEEDS] + [0.1 * s for s in DIRECTED_SPEEDS]
+            ),
+            lambda q, v: -(0.4 if v > 0.0 else 0.1) * SCENE.force * v / SCENE.velocity if abs(v) < 0.3 else None,
+        ),
+        (
+            DirectedSpeedCurve.with_values(SCENE, [1.0] * 4 + [0.0] * 4),
+            lambda q, v: (-SCENE.force if v > 0.0 else 0.0) if abs(v) > 0.03 * SCENE.velocity else None,
         ),
         (
             SpringCurve.with_values(SCENE, [0.02, 0.05, 0.1] * 2),
@@ -85,6 +97,9 @@ def test_it_holds_a_simple_law_within_it(law, simple):
 def test_a_curve_stays_what_it_was_beyond_its_last_speed():
     law = SpeedCurve.with_values(SCENE, (0.1, 0.2, 0.3, 0.4, 0.5))
     assert force(law, 0.0, 1.0) == force(law, 0.0, 2.0) == pytest.approx(-0.5 * SCENE.force)
+    directed = DirectedSpeedCurve.with_values(SCENE, (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8))
+    assert force(directed, 0.0, 1.0) == force(directed, 0.0, 2.0) == pytest.approx(-0.4 * SCENE.force)
+    assert force(directed, 0.0, -1.0) == force(directed, 0.0, -2.0) == pytest.approx(0.8 * SCENE.force)
 
 
 @pytest.mark.parametrize("turn", [1e-3, 1.0, 1e3])
