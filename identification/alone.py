@@ -71,7 +71,7 @@ def _each_of_them(session: Session, calibrated: Fit, found: Fit) -> list[Fit]:
         look = look_without(session, calibrated, found, index)
         if look is None:
             continue
-        less = restarted(session.fitting, calibrated, look, worth_fitting(found))
+        less = restarted(session.fitting, calibrated, look)
         if less.ratio <= worth_fitting(found):
             less = fit_from_own_starts(session.fitting, fit_at(session, calibrated, less.hypothesis, polished=True))
             fits += [less] if explains_as_much(session, less, found) else []

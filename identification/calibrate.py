@@ -7,12 +7,13 @@ their soft difference.
 
 from collections.abc import Sequence
 from contextlib import suppress
+from itertools import takewhile
 from math import ceil, inf
 
 import numpy as np
 
 from identification.evaluate import Evaluator, Target, TimeTarget
-from identification.fit import LOOK, LOOK_TOLERANCE, Fit, fit
+from identification.fit import LOOK, Fit, fit
 from identification.hypothesis import (
     LARGEST_SIGMA,
     Hypothesis,
@@ -69,25 +70,30 @@ def calibrate_if_near(
     windows: Windows = WINDOWS,
     tolerance: float = 2e-4,
 ) -> Fit | None:
-    """The same, where a look at the last fit comes near; None where it does not.
+    """What ``calibrate`` finds, where the first steps of its last fit come near; None where they do not.
 
-    Where neighbouring motions part, what is begun beside a wrong effect ends far off, after as many steps as the right
-    one. Pieces of records are begun by other models, so that nothing is near before it has begun them itself.
+    Where neighbouring motions part, what is begun in a wrong valley ends far off, after as many steps as the right
+    one. Pieces of records are begun by other models, so that nothing is near before it has begun them itself: where
+    some are fitted, all steps are taken.
 
     Args:
         evaluator: records and noise.
         hypothesis: where to start.
         unknowns: what may move.
-        most: residual over noise that the look may leave.
+        most: residual over noise that these steps may leave.
         windows: of the first fits.
         tolerance: relative decrease of the cost that ends the last fit.
+
+    Raises:
+        ArithmeticError: the model diverges.
     """
     begun, slopes = _led(evaluator, hypothesis, unknowns, windows), None
     if most < inf and not any(target.begins_later for target in evaluator.timed):
-        look = fit(evaluator, begun, unknowns, max_iterations=LOOK, tolerance=LOOK_TOLERANCE)
+        look = fit(evaluator, begun, unknowns, max_iterations=LOOK, tolerance=0.0)
         if look.ratio > most:
             return None
-        begun, slopes = look.hypothesis, look.jacobian
+        of_the_rig = sum(1 for _ in takewhile(lambda unknown: isinstance(unknown, RigUnknown), unknowns))
+        begun, slopes = look.hypothesis, look.jacobian[:of_the_rig]
     return fit(evaluator, begun, unknowns, jacobian=slopes, tolerance=tolerance, precise=True)
 
 

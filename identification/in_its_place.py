@@ -338,13 +338,13 @@ def _but_once(ranked: Sequence[Ranked], are_one: Callable[[Ranked, Ranked], bool
 
 
 def refit(evaluator: Evaluator, base: Fit, begun: Hypothesis, most: float = inf) -> Fit | None:
-    """Everything refitted with one more effect; None where the model with it diverges, or a look comes to no near end.
+    """Everything refitted with one more effect; None where that diverges, or its first steps leave too much.
 
     Args:
         evaluator: records to fit.
         base: the model without the effect, for its unknowns.
         begun: where the fit begins, the effect last; its own phases are sought.
-        most: residual over noise that the look may leave.
+        most: residual over noise that these may leave.
     """
     hypothesis = in_step(evaluator, begun, begun.effects[-1:])
     try:

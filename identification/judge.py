@@ -2,13 +2,12 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from math import inf
 
-from identification.calibrate import beginning, calibrate_if_near, pulled, set_in_motion
+from identification.calibrate import beginning, calibrate, pulled, set_in_motion
 from identification.detail import in_more_detail
 from identification.evaluate import Evaluator
 from identification.evidence import Ranked, misfit_in_common, ranked_together, reranked, with_evidence
-from identification.fit import Fit, fit, worth_fitting
+from identification.fit import Fit, fit
 from identification.in_its_place import (
     EXPLAINED,
     RULED_OUT,
@@ -208,7 +207,7 @@ LEAST_REFITS = 3
 """Finalists at least, however far behind."""
 
 
-def restarted(evaluator: Evaluator, base: Fit, found: Fit, most: float = inf) -> Fit:
+def restarted(evaluator: Evaluator, base: Fit, found: Fit) -> Fit:
     """The best of the fit and of fits with its last effect that start from the rig file's numbers again.
 
     States at the start of records are sought anew as well: without the effect others fit best.
@@ -217,7 +216,6 @@ def restarted(evaluator: Evaluator, base: Fit, found: Fit, most: float = inf) ->
         evaluator: records to fit.
         base: the model without the effect.
         found: a fit that stopped above the noise, perhaps in a side valley.
-        most: residual over noise above which no other fit is of use.
     """
     best = found
     effect = found.hypothesis.effects[-1]
@@ -229,12 +227,10 @@ def restarted(evaluator: Evaluator, base: Fit, found: Fit, most: float = inf) ->
         try:
             start = set_in_motion(window, replace(start, starts={}), unknowns)
             first = fit(window, start, alone, tolerance=1e-2)
-            again = calibrate_if_near(evaluator, first.hypothesis, unknowns, min(most, worth_fitting(best)))
+            again = fit_from_own_starts(evaluator, calibrate(evaluator, first.hypothesis, unknowns))
         except ArithmeticError:
             continue
-        if again is None:
-            continue
-        best = min(best, fit_from_own_starts(evaluator, again), key=lambda f: f.cost)
+        best = min(best, again, key=lambda f: f.cost)
         if best.ratio < CLOSE_ENOUGH:
             break
     return best
