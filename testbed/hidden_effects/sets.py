@@ -436,7 +436,7 @@ REPORTED = CaseSet(
             left_out=(("wear", 0),),
         ),
         50821: Batch(
-            "f5cf85c",
+            "7664411",
             first_kind="point_mass",
             first_law="relaxing_spring",
             n_laws=9,
@@ -493,7 +493,7 @@ of such a record. Errors are of all channels together, each quantity by its own 
             first_law="growing_damping",
             n_laws=9,
         ),
-        46021: Batch("f5cf85c", first_kind="bouc_wen", first_law="growing_damping", n_laws=9),
+        46021: Batch("7664411", first_kind="bouc_wen", first_law="growing_damping", n_laws=9),
     },
     shape=1.0,
     materials=("steel", "aluminium", "brass", "titanium", "glass fibre"),
