@@ -423,12 +423,12 @@ REPORTED = CaseSet(
         49711: Batch(
             "03966bf",
             3,
-            taught="nothing yet: friction one way only is half as much friction both ways and a steady force, which "
-            "moves the beam in its gap",
+            taught="a law beyond the library that is another either way: friction one way only is half as much "
+            "friction both ways and a force that is there while it moves",
             run="One thread each, beside up to three other processes: its seconds are too high. Its first two cases, "
             "an outside law and a chaotic wear, had been at work for half an hour of a core each by the diagnosis "
-            "before. Ended by hand when what kept the wear at work had been mended: the next seed judges that. The "
-            "wear is left out after 83 minutes, and the case at work beside it.",
+            "before. Ended by hand when a law over the velocity had come to be asked for: the next seed judges that. The "
+            "wear, at work on fits in another effect's place, is left out after 83 minutes, and the case beside it.",
             first_kind="wear",
             first_law="one_way_friction",
             n_laws=9,
