@@ -427,8 +427,8 @@ REPORTED = CaseSet(
             "friction both ways and a force that is there while it moves",
             run="One thread each, beside up to three other processes: its seconds are too high. Its first two cases, "
             "an outside law and a chaotic wear, had been at work for half an hour of a core each by the diagnosis "
-            "before. Ended by hand when a law over the velocity had come to be asked for: the next seed judges that. The "
-            "wear, at work on fits in another effect's place, is left out after 83 minutes, and the case beside it.",
+            "before. Ended by hand when a law over the velocity had come to be asked for: the next seed judges that. "
+            "The wear, at work on fits in another effect's place, is left out after 83 minutes, and the case beside.",
             first_kind="wear",
             first_law="one_way_friction",
             n_laws=9,
