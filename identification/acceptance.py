@@ -15,7 +15,7 @@ from identification.evidence import (
     misfit_in_common,
     misfit_of,
 )
-from identification.fit import LOOK, LOOK_TOLERANCE, Fit, fit, worth_fitting
+from identification.fit import LOOK, LOOK_TOLERANCE, Fit, fit
 from identification.hypothesis import Hypothesis, effect_unknowns
 from identification.kept_aside import KeptAside
 from identification.noise_left import NOISE_NEAR
@@ -211,6 +211,21 @@ def comes_as_near(less: Fit, found: Fit) -> bool:
     """
     scale = misfit_of(found)
     return log_fit(found, scale) - log_fit(less, scale) < LEAST_EVIDENCE
+
+
+def worth_fitting(found: Fit) -> float:
+    """Residual over noise above which a model with an effect less is not fitted to its end.
+
+    Begun at the numbers of the other one, an effect that is needless leaves no more than that after a few steps.
+
+    Args:
+        found: the model with all effects.
+    """
+    return WORTH_FITTING * max(1.0, found.ratio)
+
+
+WORTH_FITTING = 3.0
+"""Times what the model with all effects leaves, or the noise."""
 
 
 def look_without(session: Session, calibrated: Fit, found: Fit, index: int) -> Fit | None:

@@ -8,12 +8,12 @@ itself, begun anew, and then every kind is looked for once more from the numbers
 from dataclasses import replace
 from math import inf
 
-from identification.acceptance import comes_as_near, explains_as_much, look_without, tell_tangent
+from identification.acceptance import comes_as_near, explains_as_much, look_without, tell_tangent, worth_fitting
 from identification.anew import WORTH_REFITTING, judged_anew
 from identification.evidence import Ranked, reweighed, with_evidence
 from identification.exchange import fit_at
 from identification.fewer import Fewer
-from identification.fit import Fit, worth_fitting
+from identification.fit import Fit
 from identification.in_its_place import settled_apart
 from identification.judge import restarted
 from identification.pieces import fit_from_own_starts

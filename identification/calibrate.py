@@ -7,13 +7,12 @@ their soft difference.
 
 from collections.abc import Sequence
 from contextlib import suppress
-from itertools import takewhile
-from math import ceil, inf
+from math import ceil
 
 import numpy as np
 
 from identification.evaluate import Evaluator, Target, TimeTarget
-from identification.fit import LOOK, Fit, fit
+from identification.fit import Fit, fit
 from identification.hypothesis import (
     LARGEST_SIGMA,
     Hypothesis,
@@ -58,53 +57,12 @@ def calibrate(
         windows: of the first fits.
         tolerance: relative decrease of the cost that ends the last fit.
     """
-    begun = _led(evaluator, hypothesis, unknowns, windows)
-    return fit(evaluator, begun, unknowns, tolerance=tolerance, precise=True)
-
-
-def calibrate_if_near(
-    evaluator: Evaluator,
-    hypothesis: Hypothesis,
-    unknowns: Sequence[Unknown],
-    most: float,
-    windows: Windows = WINDOWS,
-    tolerance: float = 2e-4,
-) -> Fit | None:
-    """What ``calibrate`` finds, where the first steps of its last fit come near; None where they do not.
-
-    Where neighbouring motions part, what is begun in a wrong valley ends far off, after as many steps as the right
-    one. Pieces of records are begun by other models, so that nothing is near before it has begun them itself: where
-    some are fitted, all steps are taken.
-
-    Args:
-        evaluator: records and noise.
-        hypothesis: where to start.
-        unknowns: what may move.
-        most: residual over noise that these steps may leave.
-        windows: of the first fits.
-        tolerance: relative decrease of the cost that ends the last fit.
-
-    Raises:
-        ArithmeticError: the model diverges.
-    """
-    begun, slopes = _led(evaluator, hypothesis, unknowns, windows), None
-    if most < inf and not any(target.begins_later for target in evaluator.timed):
-        look = fit(evaluator, begun, unknowns, max_iterations=LOOK, tolerance=0.0)
-        if look.ratio > most:
-            return None
-        of_the_rig = sum(1 for _ in takewhile(lambda unknown: isinstance(unknown, RigUnknown), unknowns))
-        begun, slopes = look.hypothesis, look.jacobian[:of_the_rig]
-    return fit(evaluator, begun, unknowns, jacobian=slopes, tolerance=tolerance, precise=True)
-
-
-def _led(evaluator: Evaluator, hypothesis: Hypothesis, unknowns: Sequence[Unknown], windows: Windows) -> Hypothesis:
-    """The hypothesis in motion, fitted on ever longer windows."""
     hypothesis = set_in_motion(evaluator, hypothesis, unknowns)
     for share, seconds in windows if unknowns else ():
         short = beginning(evaluator, share, seconds)
         if evaluator.at_rest or short.n_data < LONGEST_FIRST * evaluator.n_data:
             hypothesis = fit(short, hypothesis, unknowns, tolerance=1e-2, max_iterations=15).hypothesis
-    return hypothesis
+    return fit(evaluator, hypothesis, unknowns, tolerance=tolerance, precise=True)
 
 
 def set_in_motion(evaluator: Evaluator, hypothesis: Hypothesis, unknowns: Sequence[Unknown]) -> Hypothesis:

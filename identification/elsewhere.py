@@ -7,7 +7,7 @@ records are nearly explained, the other valleys show.
 from dataclasses import replace
 
 from identification.evaluate import Evaluator
-from identification.fit import Fit, worth_fitting
+from identification.fit import Fit
 from identification.hypothesis import free_place
 from identification.in_its_place import RULED_OUT, against, refit, seen_at, without_last
 from identification.in_step import tried_with
@@ -40,7 +40,7 @@ def elsewhere(fitting: Evaluator, base: Fit, found: Fit, registry: Registry, n_e
         first, farther = against(found, fitting, beside, tried_with(fitting, bare, other))
         if first is None or farther > RULED_OUT:
             continue
-        result = refit(fitting, base, first.hypothesis, worth_fitting(found))
+        result = refit(fitting, base, first.hypothesis)
         if result is not None:
             fits.append(result)
     return fits

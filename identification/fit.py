@@ -174,22 +174,6 @@ LOOK, LOOK_TOLERANCE = 5, 0.02
 """Iterations and tolerance of a look at where a fit is going, before it is followed."""
 
 
-def worth_fitting(found: Fit) -> float:
-    """Residual over noise above which, after a look, another model is not fitted to its end.
-
-    Begun at the numbers of a model that explains the records, one that may take its place leaves no more than that
-    after a few steps.
-
-    Args:
-        found: that model.
-    """
-    return WORTH_FITTING * max(1.0, found.ratio)
-
-
-WORTH_FITTING = 3.0
-"""Times what that model leaves, or the noise."""
-
-
 def fit_to_its_end(evaluator: Evaluator, hypothesis: Hypothesis, unknowns: Sequence[Unknown], iterations: int) -> Fit:
     """The fit, gone on from where it stopped for as long as a step more promises much and each run keeps its promise.
 

@@ -10,7 +10,7 @@ from math import inf
 
 import numpy as np
 
-from identification.calibrate import WINDOWS, Windows, beginning, calibrate_if_near, concerning
+from identification.calibrate import WINDOWS, Windows, beginning, calibrate, concerning
 from identification.evaluate import Evaluator
 from identification.evidence import (
     LEAST_EVIDENCE,
@@ -22,7 +22,7 @@ from identification.evidence import (
     with_evidence,
 )
 from identification.far_numbers import said_of_far_numbers
-from identification.fit import Fit, fit, worth_fitting
+from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, PlaceUnknown, free_place, own_unknowns
 from identification.in_step import in_step, tried_with
 from identification.pieces import fit_from_own_starts
@@ -229,7 +229,7 @@ def begun_at_leader(
         if first is None or farther > RULED_OUT:
             continue
         begun = replace(bare, values=first.hypothesis.values).with_effects(first.hypothesis.effects[-1])
-        result = refit(fitting, base, begun, worth_fitting(leader))
+        result = refit(fitting, base, begun)
         if result is not None:
             rows.append(Ranked.of(result))
     return rows
@@ -337,20 +337,19 @@ def _but_once(ranked: Sequence[Ranked], are_one: Callable[[Ranked, Ranked], bool
     return kept
 
 
-def refit(evaluator: Evaluator, base: Fit, begun: Hypothesis, most: float = inf) -> Fit | None:
-    """Everything refitted with one more effect; None where that diverges, or its first steps leave too much.
+def refit(evaluator: Evaluator, base: Fit, begun: Hypothesis) -> Fit | None:
+    """Everything refitted with one more effect; None where the model with it diverges.
 
     Args:
         evaluator: records to fit.
         base: the model without the effect, for its unknowns.
         begun: where the fit begins, the effect last; its own phases are sought.
-        most: residual over noise that these may leave.
     """
     hypothesis = in_step(evaluator, begun, begun.effects[-1:])
     try:
         unknowns = (*base.unknowns, *own_unknowns(hypothesis))
-        found = calibrate_if_near(evaluator, hypothesis, unknowns, most, REFIT_WINDOWS, tolerance=REFIT_TOLERANCE)
-        return None if found is None else fit_from_own_starts(evaluator, found)
+        found = calibrate(evaluator, hypothesis, unknowns, REFIT_WINDOWS, tolerance=REFIT_TOLERANCE)
+        return fit_from_own_starts(evaluator, found)
     except ArithmeticError:
         return None
 

@@ -28,11 +28,12 @@ from identification.acceptance import (
     pruned,
     refuted,
     verdict_of,
+    worth_fitting,
 )
 from identification.established import NO_LAW_OF_ALL, NO_SIZE, TOLD_BY_PARTS
 from identification.evaluate import unwhitened
 from identification.evidence import Ranked
-from identification.fit import fit, worth_fitting
+from identification.fit import fit
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
 from identification.kept_aside import KeptAside
 from identification.prepare import Horizon

@@ -1,12 +1,10 @@
 """Calibration: a phase that has run away is brought back, and what stands at its end is named."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from trial_records import FS, REFERENCE, evaluator_of, let_go, measured, moved, multisine, oscillator, sweep
 
-from identification.calibrate import beginning, calibrate, calibrate_if_near, set_in_motion, strained, unknowns_of
+from identification.calibrate import beginning, calibrate, set_in_motion, strained, unknowns_of
 from identification.evaluate import AHEAD
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, OffsetUnknown, RigUnknown, StartUnknown, rig_unknowns
@@ -52,51 +50,6 @@ def test_short_windows_first_bring_back_a_phase_that_ran_away():
     assert found.ratio == pytest.approx(1.0, abs=0.1)
     # 5 Hz off is ten turns at the end: the fit of the whole record alone stays in another valley.
     assert fit(evaluator, Hypothesis(rig), unknowns).ratio > 3.0
-
-
-def blown(off, most, windows):
-    """What comes of a rig that rings for long, so many standard deviations off, and how many models were simulated."""
-    rig = oscillator(freq=100.0, damping_ratio=0.002, stiffness=0.04, damping=0.1)
-    blow = np.where(np.arange(4096) < 8, 100.0, 0.0)
-    evaluator = evaluator_of(measured(moved(rig, off, 0.0), blow))
-    asked = []
-    residuals = evaluator.residuals
-    object.__setattr__(evaluator, "residuals", lambda models: asked.extend(models) or residuals(models))
-    found = calibrate_if_near(evaluator, Hypothesis(rig), rig_unknowns(rig), most, windows=windows)
-    return evaluator, found, len(asked)
-
-
-def test_what_a_look_comes_near_is_calibrated():
-    windows = ((0.02, 0.1), (0.1, 0.3))
-    evaluator, found, _ = blown(2.5, 3.0, windows)
-
-    whole = calibrate(evaluator, Hypothesis(found.hypothesis.rig), found.unknowns, windows=windows)
-
-    assert found.ratio == pytest.approx(1.0, abs=0.1)
-    assert found.cost == pytest.approx(whole.cost, rel=1e-6)
-    assert found.std() == pytest.approx(whole.std(), rel=0.01)
-
-
-def test_pieces_are_not_looked_at_before_they_have_starts_of_their_own(monkeypatch):
-    monkeypatch.setattr("identification.calibrate._led", lambda *_: None)
-    monkeypatch.setattr("identification.calibrate.fit", lambda *_, **how: how)
-
-    how = [
-        calibrate_if_near(SimpleNamespace(timed=[SimpleNamespace(begins_later=later)]), None, (), most)
-        for later, most in ((True, 3.0), (False, np.inf))
-    ]
-
-    assert all("max_iterations" not in each for each in how)
-
-
-def test_what_a_look_leaves_far_off_is_followed_no_further():
-    """Ten turns off at the end: the fit of the whole record alone stays in another valley."""
-    _, followed, many = blown(2.5, np.inf, ())
-    _, left, few = blown(2.5, 3.0, ())
-
-    assert followed.ratio > 3.0
-    assert left is None
-    assert few < 0.7 * many
 
 
 @pytest.mark.parametrize("rms", [2.0, 10.0, 40.0])

@@ -3,9 +3,7 @@
 import pytest
 from trial_records import beam_session, found_with
 
-from identification import in_its_place
 from identification.elsewhere import elsewhere
-from identification.fit import worth_fitting
 from models.effects import EFFECTS, Place
 from models.effects.local_damage import LocalDamage
 from models.effects.point_mass import PointMass
@@ -32,17 +30,6 @@ def test_damage_in_a_wrong_valley_is_found_in_the_right_one(session):
     assert gain.gain == pytest.approx(0.8, rel=0.02)
     assert damage.place.position == pytest.approx(0.5, abs=0.02)
     assert best.ratio == pytest.approx(1.0, abs=0.1)
-
-
-def test_what_comes_no_nearer_in_its_first_steps_is_nowhere_else(session, monkeypatch):
-    base, stuck = found_with(session, GAIN), found_with(session, GAIN, ASTRAY)
-    looked_for = []
-    monkeypatch.setattr(in_its_place, "calibrate_if_near", lambda *how, **_: looked_for.append(how[3]))
-
-    assert elsewhere(session.fitting, base, stuck, EFFECTS) == []
-
-    assert looked_for
-    assert set(looked_for) == {worth_fitting(stuck)}
 
 
 def test_what_is_in_the_right_valley_is_better_nowhere_else(session):

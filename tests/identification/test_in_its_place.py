@@ -9,7 +9,7 @@ from trial_records import OSCILLATOR, REFERENCE, beam_session, evaluator_of, fou
 from identification import in_its_place
 from identification.calibrate import strained
 from identification.evidence import Ranked, with_evidence
-from identification.fit import fit, worth_fitting
+from identification.fit import fit
 from identification.hypothesis import LARGEST_SIGMA, Hypothesis, effect_unknowns, rig_unknowns
 from identification.in_all_sleeves import in_all_sleeves
 from identification.in_its_place import EXPLAINED, against, settled_apart, with_others_there
@@ -58,17 +58,6 @@ def test_the_simpler_law_is_fitted_where_the_larger_one_has_come_to_above_the_no
     (mass,) = [row for row in rows if row.effect.kind == "point_mass"]
     assert mass.refitted
     assert mass.effect.mass == pytest.approx(0.1, rel=0.3)  # beside a gain that nothing explains
-
-
-def test_a_law_whose_first_steps_leave_too_much_is_no_row(monkeypatch):
-    session = beam_session(PointMass(at(0.86), mass=0.1), SensorGain(Place(sensor="P4"), gain=0.8))
-    looked_for = []
-    monkeypatch.setattr(in_its_place, "calibrate_if_near", lambda *how, **_: looked_for.append(how[3]))
-
-    found, rows = rows_after(session, Absorber(at(0.86), 0.1, 2000.0, 0.1), "point_mass", "absorber")
-
-    assert [row.effect.kind for row in rows] == ["absorber"]
-    assert looked_for == [worth_fitting(found)]
 
 
 def test_hysteresis_that_yields_at_once_is_friction_and_at_a_sleeve_the_sleeves_own():
