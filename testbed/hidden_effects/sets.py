@@ -437,8 +437,21 @@ REPORTED = CaseSet(
         ),
         50821: Batch(
             "7664411",
+            4,
+            taught="nothing: all are right",
+            run="One thread each, beside up to two other processes: its seconds are too high. Ended by hand when a "
+            "look before a fit is followed, which this diagnosis alone took, had been found to drop a right law: the "
+            "next seed judges the one without it. A law outside, at work for 21 minutes of a core, and what came "
+            "after it in the order, four cases, all right, are left out.",
             first_kind="point_mass",
             first_law="relaxing_spring",
+            n_laws=9,
+            more_outside=True,
+        ),
+        51907: Batch(
+            "9eb16a3",
+            first_kind="axial_load",
+            first_law="one_way_friction",
             n_laws=9,
             more_outside=True,
         ),
@@ -493,7 +506,7 @@ of such a record. Errors are of all channels together, each quantity by its own 
             first_law="growing_damping",
             n_laws=9,
         ),
-        46021: Batch("7664411", first_kind="bouc_wen", first_law="growing_damping", n_laws=9),
+        46021: Batch("9eb16a3", first_kind="bouc_wen", first_law="growing_damping", n_laws=9),
     },
     shape=1.0,
     materials=("steel", "aluminium", "brass", "titanium", "glass fibre"),
