@@ -80,7 +80,23 @@ SHARES = (0.03, 0.3)
 
 
 @dataclass(frozen=True)
-class SpeedCurve(_Curve):
+class _OverSpeed(_Curve):
+    """A curve over the speed.
+
+    Attributes:
+        speed: rms, m/s.
+    """
+
+    speed: float = parameter("v_1", "m/s", fitted=False, default=1.0)
+
+    @classmethod
+    def with_values(cls, scene: Scene, values: Sequence[float]) -> Self:
+        """Over the rms speed."""
+        return cls(scene.place, scene.force, tuple(values), scene.velocity)
+
+
+@dataclass(frozen=True)
+class SpeedCurve(_OverSpeed):
     """A resistance that is any function of the speed, the same both ways."""
 
     kind: ClassVar[str] = "resistance over speed"
@@ -91,13 +107,6 @@ class SpeedCurve(_Curve):
         (0.2, 0.3, 0.55, 1.0, 1.7),
         (0.5, 1.0, 0.7, 0.3, 0.1),
     )
-
-    speed: float = parameter("v_1", "m/s", fitted=False, default=1.0)
-
-    @classmethod
-    def with_values(cls, scene: Scene, values: Sequence[float]) -> Self:
-        """Over the rms speed."""
-        return cls(scene.place, scene.force, tuple(values), scene.velocity)
 
     @staticmethod
     def law(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004
@@ -120,7 +129,7 @@ SPEEDS = (0.03, 0.1, 0.3, 1.0, 3.0)
 
 
 @dataclass(frozen=True)
-class DirectedSpeedCurve(_Curve):
+class DirectedSpeedCurve(_OverSpeed):
     """A resistance that is any function of the velocity, another either way, as a pawl's or a valve's."""
 
     kind: ClassVar[str] = "resistance over speed, another either way"
@@ -131,13 +140,6 @@ class DirectedSpeedCurve(_Curve):
         (0.03, 0.3, 1.0, 3.0, 0.01, 0.1, 0.3, 1.0),
         (0.01, 0.1, 0.3, 1.0, 0.03, 0.3, 1.0, 3.0),
     )
-
-    speed: float = parameter("v_1", "m/s", fitted=False, default=1.0)
-
-    @classmethod
-    def with_values(cls, scene: Scene, values: Sequence[float]) -> Self:
-        """Over the rms speed."""
-        return cls(scene.place, scene.force, tuple(values), scene.velocity)
 
     @staticmethod
     def law(t: float, q: float, v: float, z: float, p: Sequence[float]) -> float:  # noqa: ARG004
