@@ -9,6 +9,7 @@ import numpy as np
 
 from identification.assess import score
 from identification.calibrate import all_unknowns, calibrate
+from identification.draws import drawn, most_together
 from identification.evaluate import Evaluator
 from identification.fit import Fit, fit_to_its_end
 from identification.hypothesis import Hypothesis, Unknown
@@ -117,9 +118,28 @@ class _Court:
                 self.session.progress(f"the motion is lost on the way: {lost}")
                 continue
             nearest = min(nearest or now, now, key=lambda each: each.left)
-        if nearest is None or not nearest.refutes:
+        if nearest is None or not nearest.refutes or self.may_be_noise(nearest):
             return None, inf
         return False, nearest.left
+
+    def may_be_noise(self, found: "_Together") -> bool:
+        """Whether no more is left of those missed than the force's noise may leave of them; told.
+
+        Args:
+            found: what leaves it.
+        """
+        try:
+            most = most_together(drawn(found.missed, found.fit.hypothesis, self.session.seed))
+        except ArithmeticError:  # some noise would take the motion out of the finite numbers: nothing is excused by it
+            return False
+        if found.promised > most:
+            return False
+        names = " and ".join(target.record.name for target in found.missed.timed)
+        self.session.decide(
+            f"{names}: {found.promised:.2f} times the noise would be left, and the force's noise alone may leave "
+            f"{most:.2f} times of it in one test"
+        )
+        return True
 
     def led(self) -> Hypothesis:
         """The model with numbers found on ever more of the records."""

@@ -7,6 +7,7 @@ import pytest
 from rest_records import frfs_of
 from trial_records import measured, moved, multisine, oscillator
 
+from identification.draws import Drawn
 from identification.evaluate import Evaluator
 from identification.hypothesis import Hypothesis
 from identification.kept_aside import kept_aside, predicted
@@ -14,6 +15,7 @@ from identification.prepare import Horizon
 from models.effects import Place
 from models.effects.cubic_stiffness import CubicStiffness
 from models.effects.quadratic_stiffness import QuadraticStiffness
+from models.errors import DivergenceError
 
 RIG = oscillator("displacement")
 TRUTH = moved(RIG, 0.5, -0.8, 1.0)
@@ -54,6 +56,39 @@ def test_a_model_that_learnt_at_a_lower_level_is_told_where_it_fails():
     assert len(decisions) == 2
     assert kept.missed == {"high": next(told for told in decisions if "high" in told)}
     assert "does not hold" in kept.missed["high"]
+
+
+@pytest.mark.parametrize(("error", "lines", "holds"), [(1.1, 1e9, True), (0.9, 1e9, False), (1.1, 1.0, False)], ids=str)
+def test_what_noise_may_leave_of_one_record_is_no_miss(error, lines, holds, monkeypatch):
+    record, _ = measured(HARD, multisine(4096, rms=20.0), name="high")
+    left = judged(TRUTH, record)[0].scores["updated"].nrmse
+    noise = Drawn(1000, np.array([0.0, error * left]), np.array([1.0, lines]))
+    monkeypatch.setattr("identification.kept_aside.drawn", lambda *_: {"high": noise})
+
+    kept, (told,) = judged(TRUTH, record)
+
+    assert (kept.missed == {}) == holds
+    assert ("no more than the force's noise may leave of one record: what was learnt holds there" in told) == holds
+
+
+def test_what_is_met_is_not_asked_whether_it_may_be_noise(monkeypatch):
+    record, _ = measured(TRUTH, multisine(4096), name="kept")
+    monkeypatch.setattr("identification.kept_aside.drawn", lambda *_: pytest.fail("drawn"))
+
+    assert judged(TRUTH, record)[0].missed == {}
+
+
+def test_a_motion_that_some_noise_tears_away_excuses_nothing_and_loses_nothing(monkeypatch):
+    def torn(*_):
+        raise DivergenceError("gone")
+
+    record, _ = measured(HARD, multisine(4096, rms=20.0), name="high")
+    monkeypatch.setattr("identification.kept_aside.drawn", torn)
+
+    kept, _ = judged(TRUTH, record)
+
+    assert set(kept.missed) == {"high"}
+    assert set(kept.scores) == {"as given", "updated"}
 
 
 @pytest.mark.parametrize(("updated", "met"), [(HARD, True), (TRUTH, False)])

@@ -8,6 +8,7 @@ from rest_records import frfs_of
 from trial_records import evaluator_of, measured, multisine, oscillator
 
 from identification.conclude import settled
+from identification.draws import Drawn
 from identification.evaluate import carry_noise
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
@@ -68,6 +69,19 @@ def test_a_law_that_is_another_does_not_whatever_its_size():
 
     assert (asked.explained, asked.holds, asked.missed) == (False, False, kept.missed)
     assert session.decisions[-1].startswith(f"no numbers of the model explain {NAME} too: ")
+
+
+@pytest.mark.parametrize(("most", "explained"), [(1e3, None), (1.0, False)])
+def test_what_noise_may_leave_of_one_record_refutes_no_law(most, explained, monkeypatch):
+    session, last, kept = learnt_as(BENT, loud())
+    noise = Drawn(1000, np.ones(2), np.array([1.0, most]))
+    monkeypatch.setattr("identification.other_numbers.drawn", lambda *_: {NAME: noise})
+
+    asked = with_other_numbers(session, last, kept)
+
+    assert (asked.explained, asked.holds, asked.missed) == (explained, False, kept.missed)
+    told = "the force's noise alone may leave 1000.00 times of it in one test"
+    assert any(told in each for each in session.decisions) == (explained is None)
 
 
 def test_noise_that_the_force_hides_is_no_law_that_is_missing():
