@@ -13,11 +13,9 @@ from identification.hypothesis import Hypothesis
 from identification.noise_left import noise_left, with_noise
 from identification.prepare import cut_to, horizons, prepare
 from identification.reached import ERROR_REACHED, MODELS_APART, NOISE_REACHED
-from identification.result import FrfScore, ModesScore, RecordScore, Score
+from identification.result import AnyScore, RecordScore, Score
 from identification.session import CLEARLY_LESS, Session
 from models.record import AnyRecord
-
-AnyScore = RecordScore | FrfScore | ModesScore
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,8 +210,10 @@ def _may_be_noise(session: Session, followed: Followed, rows: Sequence[AnyScore]
     Neither of the error, to which a few loud lines add most, nor line by line.
     """
     unmet = {row.record.name: row.nrmse for row in rows if isinstance(row, RecordScore) and not is_met(row)}
+    if not unmet:
+        return set()
     heard = followed.heard.with_targets([t for t in followed.heard.timed if t.record.name in unmet])
-    residual = heard.residuals([(followed.known, None)])[0] if unmet else None
+    residual = heard.residuals([(followed.known, None)])[0]
     if residual is None:
         return set()
     try:

@@ -83,6 +83,9 @@ class ModesScore:
     noise_nrmse: float
 
 
+AnyScore = RecordScore | FrfScore | ModesScore
+
+
 @dataclass(frozen=True, eq=False)
 class Score:
     """Several records against one model; the overall figures are root mean squares of the records'.
@@ -100,7 +103,7 @@ class Score:
         return next(row for row in self.records if row.record.name == name)
 
     @property
-    def rows(self) -> tuple[RecordScore | FrfScore | ModesScore, ...]:
+    def rows(self) -> tuple[AnyScore, ...]:
         """All of them."""
         return (*self.records, *self.at_rest)
 
