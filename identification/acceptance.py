@@ -406,6 +406,23 @@ def refuted(
     return True
 
 
+def is_incomplete(session: Session, kept: KeptAside) -> bool:
+    """Whether records kept aside show that something is missing in a model that meets what it was fitted to; told.
+
+    Args:
+        session: told.
+        kept: what the calibrated model is worth there, with other numbers too (``other_numbers``).
+    """
+    if kept.explained is not False:
+        return False
+    names = " and ".join(kept.missed)
+    session.decide(
+        f"unexplained after all: no numbers of the calibrated model were found that explain {names} as well as what "
+        "was learnt from; what is missing shows there, so learn from it, too"
+    )
+    return True
+
+
 BEYOND_DOUBT = 0.99
 """Share of the squared misfit beyond the noise that is taken away, from which a record kept aside does not refute: a
 late sensor took 99.9 % of one of another maker's model; friction of another law, taken for ours, 98.3 %."""

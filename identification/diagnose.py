@@ -15,6 +15,7 @@ from identification.acceptance import (
     in_doubt,
     is_enough,
     is_explained,
+    is_incomplete,
     is_of_one_law,
     pruned,
     refuted,
@@ -204,14 +205,17 @@ def _judged(
         if of_one or is_beyond_library(session, law):
             verdict, final, last = "unexplained", calibrated, settled(session, calibrated)
     kept = kept_aside(session, given, last.hypothesis, holdout)
-    if verdict == "missing_effect":
+    if verdict != "unexplained":
         kept = with_other_numbers(session, last, kept)
-        if is_beyond_where_missed(session, last, law, kept, holdout) or refuted(
-            session, calibrated, final, last, kept, rounds
-        ):
-            verdict, final, last = "unexplained", calibrated, settled(session, calibrated)
-            alone = kept_aside(session, given, last.hypothesis, holdout)
-            kept = replace(alone, missed=alone.missed or kept.missed)
+    if verdict == "complete" and is_incomplete(session, kept):
+        verdict = "unexplained"
+    if verdict == "missing_effect" and (
+        is_beyond_where_missed(session, last, law, kept, holdout)
+        or refuted(session, calibrated, final, last, kept, rounds)
+    ):
+        verdict, final, last = "unexplained", calibrated, settled(session, calibrated)
+        alone = kept_aside(session, given, last.hypothesis, holdout)
+        kept = replace(alone, missed=alone.missed or kept.missed)
     return _Found(chain, rounds, verdict, final, last, kept)
 
 

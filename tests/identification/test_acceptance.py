@@ -23,6 +23,7 @@ from identification.acceptance import (
     in_doubt,
     is_enough,
     is_explained,
+    is_incomplete,
     is_of_one_law,
     look_without,
     pruned,
@@ -417,6 +418,15 @@ def test_what_reaches_the_noise_is_refuted_by_what_no_numbers_explain(explained,
 
     assert len(session.decisions) == len(told)
     assert all(said.startswith(words.format(MASS.label())) for said, words in zip(session.decisions, told, strict=True))
+
+
+@pytest.mark.parametrize(("explained", "incomplete"), [(None, False), (True, False), (False, True)])
+def test_a_calibrated_model_is_incomplete_only_where_no_numbers_explain_what_was_kept_aside(explained, incomplete):
+    session = Listener()
+
+    assert is_incomplete(session, KeptAside({}, {"burst": "it does not hold"}, explained=explained)) == incomplete
+
+    assert [said.split(":")[0] for said in session.decisions] == ["unexplained after all"] * incomplete
 
 
 def test_a_model_with_an_effect_less_is_fitted_to_its_end_only_where_its_first_steps_come_near(monkeypatch):

@@ -254,6 +254,23 @@ def test_what_the_records_kept_aside_refute_is_not_named(monkeypatch):
     assert found.holdout["updated"].nrmse > 5.0 * named.holdout["updated"].nrmse
 
 
+def test_a_model_that_meets_what_it_was_fitted_to_is_not_complete_where_a_louder_record_refutes_it():
+    rig = oscillator("displacement")
+    truth = Hypothesis(rig, effects=(CubicStiffness(Place(), stiffness=0.3 * rig.structure.stiffness / 1e-3**2),))
+    quiet, alike = (measured(truth, multisine(4096, rms=0.3, seed=s), seed=s, name=f"at rest {s}")[0] for s in (1, 2))
+    loud, _ = measured(truth, multisine(4096, rms=10.0, seed=3), seed=3, name="loud")
+
+    at_rest = diagnose(rig, [quiet], [alike], registry=few("cubic_stiffness"), jobs=1)
+    found = diagnose(rig, [quiet], [alike, loud], registry=few("cubic_stiffness"), jobs=1)
+
+    assert (at_rest.verdict, found.verdict) == ("complete", "unexplained")
+    assert found.added == ()
+    assert found.final.score.nrmse == pytest.approx(at_rest.final.score.nrmse)
+    (told,) = [decision for decision in found.decisions if decision.startswith("unexplained")]
+    assert told.startswith("unexplained after all: no numbers of the calibrated model were found that explain loud as")
+    assert told.endswith("learn from it, too")
+
+
 def test_two_laws_that_are_one_of_another_shape_are_not_named(monkeypatch):
     rig = oscillator("displacement")
     truth = Hypothesis(rig, effects=(CubicStiffness(Place(), stiffness=0.3 * rig.structure.stiffness / 1e-3**2),))
