@@ -462,8 +462,8 @@ REPORTED = CaseSet(
         ),
         53003: Batch(
             "ce0f9b1",
-            run="Its first nine cases, all right, were judged by 1512797, which differs where a complete model misses a "
-            "record kept aside: none of theirs does. One thread each, the first nine beside up to two other processes.",
+            run="Its first nine cases, all right, were judged by 1512797, which differs where a complete model misses "
+            "a record kept aside: none of theirs does. One thread each, the first nine beside up to two other ones.",
             first_kind="stiffness_drift",
             first_law="friction_spot",
             n_laws=9,
@@ -532,8 +532,8 @@ of such a record. Errors are of all channels together, each quantity by its own 
         ),
         48017: Batch(
             "ce0f9b1",
-            run="Its first three cases, all right, were judged by 1512797, which differs where a complete model misses a "
-            "record kept aside: none of theirs does. One thread each.",
+            run="Its first three cases, all right, were judged by 1512797, which differs where a complete model misses "
+            "a record kept aside: none of theirs does. One thread each.",
             first_kind="clamp_compliance",
             first_law="growing_damping",
             n_laws=9,
