@@ -39,6 +39,7 @@ from identification.result import Diagnosis, Stage, Verdict
 from identification.session import Session
 from identification.together import wholly_off
 from identification.unstrained import moved_back, unstrained
+from models.effects import Effect
 from models.simulate import Settings, Trace
 
 
@@ -168,7 +169,13 @@ def concluded(
             *wholly_off(stages[0].score),
         ),
         not_predicted=tuple(kept.missed.values()),
+        candidates_beside=_others_in(first),
     )
+
+
+def _others_in(ranked: Sequence[Ranked]) -> tuple[Effect, ...]:
+    """What the model of a round's best row has beside its own effect."""
+    return tuple(effect for effect in ranked[0].fit.hypothesis.effects if effect != ranked[0].effect) if ranked else ()
 
 
 LOCATED_SAMPLES = 150_000

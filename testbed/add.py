@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 
 from identification.assess import fit_effects
+from identification.calibrate import calibrate, unknowns_of
 from identification.evaluate import Evaluator
 from identification.fit import Fit
-from identification.hypothesis import Hypothesis
+from identification.hypothesis import Hypothesis, effect_unknowns
 from identification.in_step import tried_with
 from identification.prepare import prepare
 from identification.scene import scenes
@@ -65,10 +66,34 @@ def add_effect(rig: Rig, entry: EffectEntry, records: Sequence[Record], *, seed:
     pattern = pattern_of(rig, entry)
     before = Hypothesis(rig)
     evaluator = prepare(before, records, jobs, np.random.default_rng(seed))
-    best = _best(evaluator, before, trials_at(evaluator, before, pattern, entry.settings), pattern)
-    found = fit_effects(tried_with(evaluator, before, best), records, jobs=jobs, seed=seed)
+    found = fit_effects(_begun(evaluator, before, pattern, entry.settings), records, jobs=jobs, seed=seed)
     comparisons = [compare(hypothesis, records, seed=seed, jobs=jobs) for hypothesis in (before, found.hypothesis)]
     return Added(before, found, *comparisons)
+
+
+def _begun(evaluator: Evaluator, given: Hypothesis, pattern: Effect, options: dict[str, Any]) -> Hypothesis:
+    """Where the fit begins: from the rig as given, or as calibrated without the effect, whichever leads to less.
+
+    Beside numbers as given the best trial may be one that stands for what their faults leave; beside calibrated ones,
+    which have moved to stand for the effect, it may be too small.
+
+    Raises:
+        DivergenceError: from neither is there a trial value under which the motion stays finite.
+    """
+    lost, found = None, []
+    calibrated = calibrate(evaluator, given, unknowns_of(given, evaluator)).hypothesis
+    for model in (given, calibrated):
+        try:
+            best = _best(evaluator, model, trials_at(evaluator, model, pattern, options), pattern)
+            start = tried_with(evaluator, model, best)
+            unknowns = (*unknowns_of(start, evaluator), *effect_unknowns(start, places=False))
+            found.append(calibrate(evaluator, start, unknowns))
+        except DivergenceError as error:
+            lost = error
+    if not found:
+        assert lost is not None
+        raise lost
+    return min(found, key=lambda each: each.cost).hypothesis
 
 
 def pattern_of(rig: Rig, entry: EffectEntry) -> Effect:

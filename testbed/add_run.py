@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
+from identification.calibrate import strained
 from identification.outcome import effect_estimates, rig_estimates
 from models.effects import EFFECTS, Effect
 from models.errors import InputError
@@ -48,11 +49,14 @@ def numbers_of(added: Added) -> Json:
     """
     given = {parameter.path: parameter for parameter in added.before.rig.parameters()}
     effect = effect_estimates(added.fit, len(added.after.effects) - 1)
+    at_the_end = {unknown.parameter.path for unknown in strained(added.fit)}
     return {
         "added": {**identity(added.effect), "parameters": {row.name: estimate_json(row) for row in effect}},
         "calibrated": {
             row.name: {
                 **estimate_json(row),
+                "label": given[row.name].label,
+                "held": row.name in at_the_end,
                 "given": given[row.name].value,
                 "sigmas": given[row.name].deviations(float(np.max(row.value))),
             }

@@ -57,6 +57,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> Json:
         "verdict": diagnosis.verdict,
         "effects": [_added(added) for added in diagnosis.added],
         "candidates": [_candidate(candidate) for candidate in diagnosis.candidates],
+        "candidates_beside": [identity(effect) for effect in diagnosis.candidates_beside],
         "indistinguishable": [[identity(effect) for effect in group] for group in diagnosis.indistinguishable],
         "error": _errors(diagnosis),
         "holdout": _holdout(diagnosis.holdout),

@@ -60,10 +60,15 @@ def add(
         print_table(("parameter", f"value {ONE_STD}", "unit"), rows, added.effect.label())
     else:
         say(f"{added.effect.label()}: {added.effect.in_words()}")
-    moved = added.comparison["calibrated"].items()
-    calibrated = [(name, row["given"], measured(row), row["unit"], f"{row['sigmas']:+.1f}") for name, row in moved]
+    moved = added.comparison["calibrated"].values()
+    calibrated = [(row["label"], row["given"], measured(row), row["unit"], f"{row['sigmas']:+.1f}") for row in moved]
     if calibrated:
         heads = ("number of the rig", "given", f"fitted {ONE_STD}", "unit", "moved by, in tolerances")
         print_table(heads, calibrated, "fitted along with it")
+    if held := [row["label"] for row in moved if row["held"]]:
+        say(
+            f"note: {' and '.join(held)} moved as far as a fit may, beyond what the owner allows: something else pulls "
+            "there, which testbed diagnose looks for; or the tolerance is too small"
+        )
     print_comparison(added.comparison)
     say(f"written: {folder}/rig.updated.toml, compare.json and figures")

@@ -47,11 +47,17 @@ def because(diagnosis: Diagnosis) -> str:
     rival = max(rivals, key=lambda each: (each.refitted, each.log_evidence))  # the beginning alone says less
     behind = chosen.log_evidence - rival.log_evidence
     how = "decisively" if behind > DECISIVE else "not decisively"
+    others = f" beside {beside(diagnosis)}" if diagnosis.candidates_beside else ""
     return (
-        f"{shows} With {first.effect.label()} the model misses {percent(chosen.nrmse)} of the records it was weighed "
-        f"on; the next best, {rival.effect.label()}, misses {error_of(rival)} and stands "
+        f"{shows} With {first.effect.label()}{others} the model misses {percent(chosen.nrmse)} of the records it was "
+        f"weighed on; the next best, {rival.effect.label()}, misses {error_of(rival)} and stands "
         f"{number(float(f'{behind:.2g}'))} behind in log evidence, {how}."
     )
+
+
+def beside(diagnosis: Diagnosis) -> str:
+    """What the candidates were judged beside last, besides the calibrated rig; empty for nothing."""
+    return " and ".join(effect.label() for effect in diagnosis.candidates_beside)
 
 
 def _same(one: Effect, other: Effect) -> bool:

@@ -11,7 +11,7 @@ from models.rig import Rig
 from testbed.figures.report_style import report_style
 from testbed.proposal import HEADS, excitation_rows, option_rows
 from testbed.report.budget_rows import budget_table
-from testbed.report.evidence import DECISIVE, because, evidence_picture
+from testbed.report.evidence import DECISIVE, because, beside, evidence_picture
 from testbed.report.figures import (
     error_steps,
     force_pictures,
@@ -100,6 +100,7 @@ def _content(diagnosis: Diagnosis, rig: Rig, provenance: Provenance) -> dict[str
         "untried_missed": chance(UNTRIED_MISSED),
         "groups": group_rows(diagnosis),
         "because": because(diagnosis),
+        "beside": beside(diagnosis),
         "evidence": evidence_picture(diagnosis, rig, place) or next(iter((*forces, *frfs)), None),
         "frfs": frfs,
         "maps": map_pictures(diagnosis, rig),

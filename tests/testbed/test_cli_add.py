@@ -1,6 +1,7 @@
 """One effect added by hand is fitted, written and remembered; a wrong one is told before anything is computed."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from cli_files import FILM, make_files
 from models.effects import EFFECTS, Place, build_effect
 from models.effects.protocol import Scene
 from models.rig_file import read_rig
+from testbed import demo
 from testbed.add import trials_at
 from testbed.cli.app import main
 from testbed.cli.tables import print_diagnosis
@@ -50,11 +52,32 @@ def test_the_grease_is_fitted_and_remembered(folder, capsys):
     assert damping["value"] == effect.damping
     assert abs(damping["value"] - FILM.damping) < 4.0 * damping["std"]
     (modulus,) = content["calibrated"].values()
-    assert modulus["given"] == 210e9
+    assert (modulus["label"], modulus["held"], modulus["given"]) == ("Young's modulus", False, 210e9)
     assert modulus["sigmas"] == pytest.approx(np.log(modulus["value"] / 210e9) / 0.01)
     models = json.loads((folder / "a" / "history" / "history.json").read_text())["entries"]
     assert [entry["model"] for entry in models] == ["as given", "+ squeeze_film at sleeve 2"]
     assert models[0]["nrmse"] > 20.0 * models[1]["nrmse"]
+
+
+def test_the_fit_begins_where_it_leads_to_less(tmp_path, capsys):
+    """Beside the numbers as given the best trial is too large, and leads to a damping at the end of its tolerance."""
+    shipped = Path(demo.__file__).parent
+    where = [str(shipped / "rig.toml"), "squeeze_film", "--sleeve", "sleeve 2"]
+    record = str(shipped / "records" / "multisine_3N.uff")
+    assert main(["add", *where, "--fit", record, "--out", str(tmp_path / "out"), "--json"]) == 0
+    content = json.loads(capsys.readouterr().out)
+    damping = content["added"]["parameters"]["damping"]
+    assert abs(damping["value"] - 1.5) < 2.0 * damping["std"]
+    assert content["nrmse"] <= content["noise_nrmse"]
+    assert max(abs(row["sigmas"]) for row in content["calibrated"].values()) < 2.0
+
+
+def test_a_number_at_the_end_of_what_a_fit_may_move_is_told(folder, capsys):
+    (folder / "stiff.toml").write_text((folder / "rig.toml").read_text().replace("210e9", "170e9"))
+    where = ["stiff.toml", "squeeze_film", "--sleeve", "sleeve 2", "--fit", "burst.csv", "--out", "s"]
+    assert main(["add", *where]) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert "note: Young's modulus moved as far as a fit may, beyond what the owner allows" in told
 
 
 def test_exchanged_sensors_have_no_number_to_fit(folder, capsys):
@@ -97,7 +120,7 @@ def test_the_numbers_are_shown_with_their_deviations(capsys):
     told = capsys.readouterr().out
     assert "value +- 1 std" in told
     assert "fitted +- 1 std" in told
-    assert "youngs_modulus" in told
+    assert "Young's modulus" in told
 
 
 def test_trials_are_made_once_for_what_moves_there_and_carry_the_options(folder, monkeypatch):

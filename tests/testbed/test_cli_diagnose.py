@@ -256,6 +256,18 @@ def test_the_demo_with_nothing_hidden_and_nothing_found_says_so():
     assert against_truth({"effects": []}, {"effects": []}) == "hidden: nothing; found: nothing"
 
 
+@pytest.mark.parametrize(
+    ("others", "told"),
+    [([], "beside the calibrated rig"), ([{"kind": "mains_hum"}], "beside mains_hum and the calibrated rig")],
+)
+def test_what_the_first_round_was_judged_beside_is_its_heading(others, told, capsys):
+    judged = [{"kind": "squeeze_film", "sleeve": "sleeve 2", "probability": 0.9, "nrmse": 0.01}]
+    content = {"error": [], "holdout": {}, "candidates": judged, "candidates_beside": others, "indistinguishable": []}
+    proposed = {"do": "rest", "why": "enough"}
+    print_diagnosis({**content, "verdict": "complete", "where": {}, "effects": [], "next_experiment": proposed})
+    assert told in " ".join(capsys.readouterr().out.split())
+
+
 def test_a_note_stands_once_and_those_of_the_calibrated_model_stand_apart(capsys):
     told = {
         "findings": ["P1 is odd", "calibrated model: damping drifts"],

@@ -15,7 +15,8 @@ from testbed.outputs import json_text
 
 REFERENCE = Path(__file__).parents[1] / "data" / "reference_rig.toml"
 KEYS = [
-    "verdict", "effects", "candidates", "indistinguishable", "error", "holdout", "where", "next_experiment", "seconds",
+    "verdict", "effects", "candidates", "candidates_beside", "indistinguishable", "error", "holdout", "where",
+    "next_experiment", "seconds",
 ]  # fmt: skip
 
 

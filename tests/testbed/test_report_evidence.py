@@ -17,7 +17,7 @@ from models.effects.mains_hum import MainsHum
 from models.effects.modal_damping import ModalDamping
 from models.effects.sensor_delay import SensorDelay
 from models.effects.sensor_gain import SensorGain
-from testbed.report.evidence import because, channel_ratios, evidence_picture, left_picture
+from testbed.report.evidence import because, beside, channel_ratios, evidence_picture, left_picture
 from testbed.report.picture import Picture
 from tests.identification.trial_records import REFERENCE, measured, multisine
 
@@ -128,6 +128,16 @@ def test_the_rival_that_lost_is_named_with_what_it_leaves():
     assert FILM.signature.place in words
     assert "misses 0.71 %" in words
     assert f"{FRICTION.label()}, misses 5.0 % and stands 9 behind in log evidence, decisively" in words
+
+
+def test_what_the_candidates_were_judged_beside_is_told():
+    """Where a second effect was added, the first round is judged again beside it, and its errors are of both."""
+    diagnosis = made_up_diagnosis(RIG)
+    both = replace(diagnosis, candidates_beside=(SensorGain(P4, gain=0.8),))
+
+    assert (beside(diagnosis), beside(both)) == ("", "sensor_gain on P4")
+    assert f"With {FILM.label()} beside sensor_gain on P4 the model misses 0.71 %" in because(both)
+    assert f"With {FILM.label()} the model misses 0.71 %" in because(diagnosis)
 
 
 def test_the_signature_of_the_kind_is_no_evidence_unless_the_records_show_the_place():
