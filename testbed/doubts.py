@@ -1,6 +1,7 @@
 """What is odd about a rig file, though it can be read."""
 
 from collections.abc import Iterator
+from itertools import combinations
 from math import pi
 
 from models.rig import Beam, Rig
@@ -42,9 +43,11 @@ def rig_doubts(rig: Rig) -> Iterator[str]:
     Args:
         rig: as its file describes it.
     """
+    yield from _nothing_measured(rig)
     beam = rig.structure
     if not isinstance(beam, Beam):
         return
+    yield from _at_one_place(rig)
     size = _size(rig, beam)
     if size is not None:
         # All else that looks odd may follow from it.
@@ -59,6 +62,24 @@ def rig_doubts(rig: Rig) -> Iterator[str]:
                 f"{sleeve.name}: a clearance of {sleeve.clearance:g} m about a beam {beam.diameter:g} m thick; "
                 f"it is rarely more than {WIDEST:g} of that, and in m; if it is in mm, write clearance = "
                 f"{sleeve.clearance / UNITS['mm']:g}"
+            )
+
+
+def _nothing_measured(rig: Rig) -> Iterator[str]:
+    if not rig.sensors:
+        yield (
+            "no sensors; compare, diagnose and simulate need the places and quantities of what is measured; write a "
+            "[[sensors]] table for each channel of the records"
+        )
+
+
+def _at_one_place(rig: Rig) -> Iterator[str]:
+    """Two sleeves that no measurement can tell apart."""
+    for one, other in combinations(rig.sleeves, 2):
+        if one.position is not None and one.position == other.position:
+            yield (
+                f"{one.name} and {other.name} are both at {one.position:g} m; sleeves at one place act as one, and no "
+                "measurement tells their numbers apart; write their positions, m from the clamp, or one sleeve alone"
             )
 
 

@@ -4,6 +4,7 @@ import hashlib
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -63,12 +64,13 @@ def read_inputs(
         strict: whether a dead, missing or implausible channel is an error.
 
     Raises:
-        InputError: a file that cannot be used, two records of one name, or a record kept aside that copies another.
+        InputError: a file that cannot be used, two records of one name, or one that copies another.
     """
     rig = whole_rig(rig_path)
     check_names([*records, *holdout])
     read = _read_all(rig, rig_path, (*records, *holdout), without, strict=strict)
     learnt, aside = read[: len(records)], read[len(records) :]
+    _check_learnt(learnt)
     _check_aside(learnt, aside)
     return Inputs(
         rig_path,
@@ -84,6 +86,18 @@ def read_inputs(
             "without": sorted(without),
         },
     )
+
+
+def _check_learnt(learnt: Sequence[AnyRecord]) -> None:
+    for record, other in combinations(learnt, 2):
+        shared = set(record.sensors) & set(other.sensors)
+        # Of one test each may hold channels that the other lacks: then neither is a copy.
+        if len(shared) == min(len(record.sensors), len(other.sensors)) and is_same_test(record, other):
+            raise InputError(
+                f"{other.name}: the same samples as {record.name}",
+                "every record is another test: one that is given twice would count as two",
+                "leave one of them out",
+            )
 
 
 def _check_aside(learnt: Sequence[AnyRecord], aside: Sequence[AnyRecord]) -> None:

@@ -153,7 +153,8 @@ def _give_mass(
     if settings.rotary_inertia:
         across += mass * structure.diameter**2 / 16.0
     body.mass, body.ipos = mass, [0.5 * sum(span), 0.0, 0.0]
-    body.inertia = [max(THIN, mass * structure.diameter**2 / 8.0) if settings.rotary_inertia else THIN, across, across]
+    about = max(THIN, mass * structure.diameter**2 / 8.0) if settings.rotary_inertia else THIN
+    body.inertia = [min(about, across), across, across]  # no body has more about one axis than about both others
     body.explicitinertial = True
     _draw(body, structure, span[0] if hinge else 0.0, span[1])
 

@@ -19,7 +19,7 @@ With = Annotated[str, typer.Option("--with", metavar="NAME", help="Simulator: mo
 Format = Annotated[Literal["uff", "h5"], typer.Option("--format", help="Of the records.")]
 Parts = Annotated[
     int | None,
-    typer.Option("--parts", min=4, help="Modes, segments or elements; chosen and explained unless given."),
+    typer.Option("--parts", min=4, max=1000, help="Modes, segments or elements; chosen and explained unless given."),
 ]
 Steps = Annotated[
     int | None, typer.Option("--steps", min=1, help="Steps per sample; chosen and explained unless given.")

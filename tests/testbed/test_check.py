@@ -193,15 +193,15 @@ def test_a_time_in_ms_that_is_read_as_s_is_an_error(folder):
     assert "if its time column is in ms" in record.text
 
 
-def renamed(folder, old, file):
-    """A copy of the burst in which one channel is another sensor's, that the rig does not have."""
+def renamed(folder, old, file, of="burst.csv"):
+    """A copy of a record in which one channel is another sensor's, that the rig does not have."""
     path = folder / file
-    path.write_text((folder / "burst.csv").read_text().replace(f"{old} [", f"Q{old[1]} ["))
+    path.write_text((folder / of).read_text().replace(f"{old} [", f"Q{old[1]} ["))
     return path
 
 
 def test_records_of_different_channels_are_refused_with_one_way_out_that_leads_out(folder):
-    files = [renamed(folder, "P1", "no1.csv"), renamed(folder, "P3", "no3.csv")]
+    files = [renamed(folder, "P1", "no1.csv"), renamed(folder, "P3", "no3.csv", of="sweep.csv")]
     with pytest.raises(InputError) as caught:
         read_inputs(folder / "rig.toml", files)
     assert "no1.csv: no channel for P1; no3.csv: no channel for P3; a comparison" in str(caught.value)
@@ -224,3 +224,28 @@ def test_a_record_kept_aside_is_compared_by_its_samples(folder):
         with pytest.raises(InputError, match=rf"--holdout {name}: the same samples as burst.csv; a record kept aside"):
             read_inputs(rig, [folder / "sweep.csv", burst], [folder / name], strict=False)
     read_inputs(rig, [burst], [folder / "sweep.csv"], strict=False)
+
+
+def test_a_record_that_is_given_twice_is_refused(folder):
+    rig, burst = folder / "rig.toml", folder / "burst.csv"
+    (folder / "twice.csv").write_text(f"# the same\n{burst.read_text()}")
+    with pytest.raises(InputError, match=r"twice.csv: the same samples as burst.csv; every record is another test"):
+        read_inputs(rig, [burst, folder / "sweep.csv", folder / "twice.csv"], strict=False)
+    parts = [renamed(folder, name, f"part of it without {name}.csv") for name in ("P1", "P3")]
+    assert len(read_inputs(rig, parts, strict=False).records) == 2  # each holds what the other lacks
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (RIG_TOML.replace("position = 0.5", "position = 1.0"), "sleeve 1 and sleeve 2 are both at 1 m; sleeves at one"),
+        (RIG_TOML.split("[[sensors]]")[0], "no sensors; compare, diagnose and simulate need the places"),
+    ],
+)
+def test_a_rig_of_which_no_record_tells_a_part_is_odd(folder, text, told):
+    path = folder / "untold.toml"
+    path.write_text(text)
+
+    (found,) = check_files(path, []).findings
+
+    assert (found.severity, found.text.startswith(told)) == ("finding", True)

@@ -43,3 +43,14 @@ def test_an_interrupt_ends_a_process_without_a_traceback(capfd):
         with pytest.raises(BrokenProcessPool):
             running.result()
     assert capfd.readouterr().err == ""
+
+
+def test_an_interrupt_while_a_process_begins_ends_it_without_a_traceback(capfd):
+    with processes(1) as pool:
+        running = pool.submit(os.getpid)
+        (begun,) = pool._processes
+        os.kill(begun, signal.SIGINT)
+        with pytest.raises(BrokenProcessPool):
+            running.result()
+    assert capfd.readouterr().err == ""
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
