@@ -18,7 +18,7 @@ from identification.fit import Fit
 from identification.hypothesis import Hypothesis
 from identification.intervals import corrected
 from identification.kept_aside import KeptAside
-from identification.locating.beside import BesideRun, runs_beside
+from identification.locating.beside import RUN_AWAY, BesideRun, runs_beside
 from identification.locating.locate import locate
 from identification.locating.located import Located
 from identification.maps import error_map
@@ -128,7 +128,7 @@ def concluded(
     groups = tuple(dict.fromkeys(group for ranked, odds in standing for group in groups_of(ranked, odds)))
     session.progress("locating the force that the calibrated model lacks")
     heard = _heard(session)
-    beside = runs_beside(heard, calibrated.hypothesis)
+    heard, beside = _told(session, heard, runs_beside(heard, calibrated.hypothesis))
     forces = forces_of(beside)
     updated_maps = tuple(error_map(record) for record in stages[-1].score.records)
     among = tried(stages[-1].score, holds=kept.holds)
@@ -192,6 +192,18 @@ def _heard(session: Session) -> Evaluator:
     heard = cut_to(session.everything, share * sum(record.duration for record in records), session.limits)
     session.decide(f"a missing force is located in {heard.extent}: more would not fit into the memory")
     return heard
+
+
+def _told(session: Session, heard: Evaluator, runs: Sequence[BesideRun]) -> tuple[Evaluator, list[BesideRun]]:
+    """The records that a missing force can be told from, and their runs; told where one is left out."""
+    lost = [run.record.name for run in runs if not run.is_told]
+    if lost:
+        session.decide(
+            f"no missing force is told from {' and '.join(lost)}: the calibrated model is so far off there that the "
+            f"force that explains it would move the rig more than {RUN_AWAY:g} times as far"
+        )
+    told = [run for run in runs if run.is_told]
+    return heard.with_targets([*(run.target for run in told), *heard.at_rest]), told
 
 
 def _located(session: Session, heard: Evaluator, hypothesis: Hypothesis, beside: Sequence[BesideRun]) -> Located | None:

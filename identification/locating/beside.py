@@ -39,6 +39,9 @@ TURNS = 4
 """Turns between motion and missing force; later ones move the force by less than its noise. Where no force is told at
 first there is none: a law would answer to the noise of the motion, and the force to that."""
 
+RUN_AWAY = 30.0
+"""Times as far as the model moves its places, beyond which a missing force is none: 26 kN came out where 20 N drove."""
+
 UNHEARD = 1e12
 """Times its noise, with which a channel says nothing."""
 
@@ -152,6 +155,16 @@ class BesideRun:
             missing = estimate.force(left)
             turns.append((estimate.surprise, q, v, by_law, missing, left))
         return Settled(*min(turns, key=lambda turn: turn[0])[1:], estimate)
+
+    @cached_property
+    def is_told(self) -> bool:
+        """Whether the missing force may be one: it moves no place far beyond all that the model says.
+
+        Where the model is far off, what it leaves of a record's ends has slow lines, in which a force hardly moves the
+        sensors: one that explains them is out of all proportion.
+        """
+        own, found = (float(np.ptp(q, axis=1).max(initial=0.0)) for q in (self.trace.q, self.settled.q))
+        return found <= RUN_AWAY * own
 
     @property
     def variance(self) -> FloatArray:

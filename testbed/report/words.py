@@ -117,9 +117,19 @@ def _more(last: Score) -> str:
     return f"; what is left, {last.nrmse / last.noise_nrmse:.2g} times the noise, is not explained"
 
 
+BELOW_THE_FLOOR = 0.9
+"""Error over the noise floor below which chance hardly takes it: the floor is too high."""
+
+
 def second_line(diagnosis: Diagnosis) -> str:
-    """What the records kept aside say, and where an unexplained force acts."""
+    """Whether the floor stands too high, what the records kept aside say, and where an unexplained force acts."""
     parts: list[str] = []
+    score = diagnosis.final.score
+    if score.nrmse < BELOW_THE_FLOOR * score.noise_nrmse:
+        parts.append(
+            f"That is {score.nrmse / score.noise_nrmse:.2f} times the noise floor: the sensors' or the force's noise "
+            "was estimated too high, and what the model still misses may hide below it."
+        )
     if "updated" in diagnosis.holdout:
         held = diagnosis.holdout["updated"]
         before = (

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made_up_diagnosis import made_up_diagnosis
+from made_up_diagnosis import made_up_diagnosis, made_up_score
 
 from identification.locating.located import Curve, FreedChannel, Located, PlacedForce, Shape
 from models.rig_file import read_rig
@@ -120,6 +120,16 @@ def test_a_place_elsewhere_than_the_effect_is_no_evidence_for_it(diagnosis, tmp_
 
     assert above[1].startswith("What the models leave of P1")
     assert f"Place of the missing force: {WORDS}" in below
+
+
+@pytest.mark.parametrize(("error", "told"), [(0.0071, False), (0.0066, False), (0.0056, True)])
+def test_a_model_below_the_noise_floor_says_that_the_floor_is_too_high(diagnosis, error, told):
+    (row,) = diagnosis.stages[-1].score.records
+    last = replace(diagnosis.stages[-1], score=made_up_score(row.record, error))
+    low = replace(diagnosis, stages=(*diagnosis.stages[:-1], last))
+
+    assert second_line(low).startswith("That is 0.80 times the noise floor: the sensors' or the force's noise") == told
+    assert ("noise floor" in second_line(low)) == told
 
 
 @pytest.mark.parametrize(

@@ -1,10 +1,13 @@
 """A record beside the model's own run of it: where no force is told, the motion stays the model's own."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from identification.conclude import _told
 from identification.hypothesis import Hypothesis
-from identification.locating.beside import runs_beside
+from identification.locating.beside import RUN_AWAY, runs_beside
 from models.effects import Place
 from models.effects.coulomb_friction import CoulombFriction
 from tests.identification.trial_records import REFERENCE, evaluator_of, measured, multisine
@@ -38,3 +41,30 @@ def test_an_unheard_channel_says_nothing():
     ratio = unheard.variance / heard.variance
     assert np.all(ratio[:, 5] > 1e6)
     np.testing.assert_allclose(np.delete(ratio, 5, axis=1), 1.0)
+
+
+class Listener:
+    """A session that is only told."""
+
+    def __init__(self):
+        self.decisions = []
+
+    def decide(self, words):
+        self.decisions.append(words)
+
+
+def test_a_force_that_would_move_the_rig_out_of_all_proportion_is_none():
+    pair = measured(Hypothesis(REFERENCE, effects=(RUBBING,)), multisine(8192, rms=6.0, high=300.0))
+    heard, session = evaluator_of(pair), Listener()
+    (run,) = runs_beside(heard, Hypothesis(REFERENCE))
+    assert run.is_told
+    assert _told(session, heard, [run])[1] == [run]
+    assert session.decisions == []
+
+    (astray,) = runs_beside(heard, Hypothesis(REFERENCE))
+    astray.settled = replace(run.settled, q=2.0 * RUN_AWAY * run.settled.q)
+
+    assert not astray.is_told
+    kept, runs = _told(session, heard, [astray])
+    assert (kept.timed, runs) == ((), [])
+    assert session.decisions[0].startswith(f"no missing force is told from {run.record.name}: ")
