@@ -100,7 +100,8 @@ def _split(lines: list[str], file: str) -> tuple[str, list[str]]:
     """The header and the rows; a header behind ``#``, as numpy writes it, counts where no other stands."""
     comments = [line for line in lines if line.lstrip().startswith("#")]
     body = [line for line in lines if not line.lstrip().startswith("#")]
-    if body and not _is_number(re.split(r"[;\t,]", body[0])[0]):
+    if body and not _is_number(_cells(body[0])[0]):
+        _check_nothing_above(body, file)
         header, rows = body[0], body[1:]
     elif comments:
         header, rows = comments[-1].lstrip().lstrip("#"), body
@@ -112,6 +113,24 @@ def _split(lines: list[str], file: str) -> tuple[str, list[str]]:
             f"{file}: {what}", f"a .csv record has {HOLDS}", "write time [s],P1 [m/s^2],... above the numbers"
         )
     return header, rows
+
+
+def _cells(line: str) -> list[str]:
+    return re.split(r"[;\t,]", line)
+
+
+def _check_nothing_above(body: list[str], file: str) -> None:
+    """Whether the header comes first: what a recorder's maker writes above it has other cells than the numbers."""
+    first = next((i for i, line in enumerate(body) if _is_number(_cells(line)[0])), 0)
+    width = len(_cells(body[first]))
+    if first < 2 or len(_cells(body[0])) == width or len(_cells(body[first - 1])) != width:
+        return
+    above = next(i for i, line in enumerate(body[:first]) if len(_cells(line)) == width)
+    raise InputError(
+        f"{file}: {above} lines stand above the header, as {body[0].strip()[:40]!r}",
+        "a .csv record begins with its header, but for lines that begin with #",
+        "remove them, or begin each with #",
+    )
 
 
 def _check_separator(header: str, rows: list[str], separator: str, file: str) -> None:

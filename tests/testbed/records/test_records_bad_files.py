@@ -229,6 +229,10 @@ ALWAYS = {
         csv(lambda lines: ["time,shaker,P1,P2,P3,P4", "[s],(N),m/s^2,m/s^2,m/s^2,m/s^2", *lines[1:]]),
         ["bad.csv", "the line below the header is '[s],(N),m", "make one line of the two: time [s],shaker [N],P1 [m/"],
     ),
+    "what the recorder's maker writes above": (
+        csv(lambda lines: ["Recorder: R7, 8 channels", "Rate: 2048", *lines]),
+        ["bad.csv", "2 lines stand above the header, as 'Recorder: R7, 8", "remove them, or begin each with #"],
+    ),
     "a comma behind each line": (
         csv(lambda lines: [f"{line}," for line in lines]),
         ["bad.csv", "a ',' stands at the end of each line", "remove it there"],
