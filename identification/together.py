@@ -44,10 +44,13 @@ def loudness(measured: FloatArray, model: FloatArray) -> FloatArray:
 def wholly_off(score: Score) -> tuple[str, ...]:
     """A sentence for each time record all of whose channels differ from the model's by one factor, or by their sign.
 
+    Where no excitation was measured, the model only decays from the state that it begins in, which is fitted.
+
     Args:
         score: of the model as its owner gave it.
     """
-    seen = [(row.record.name, off_by(row.record.responses, row.predicted)) for row in score.records]
+    driven = [row for row in score.records if row.record.excitation is not None]
+    seen = [(row.record.name, off_by(row.record.responses, row.predicted)) for row in driven]
     return tuple(
         f"{name}: {words}; a structure hardly does that to all alike: check the units and the sign of the force and of "
         "the sensors, and whether the record is of this rig"

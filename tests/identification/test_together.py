@@ -1,9 +1,12 @@
 """What all channels have in common beside the model: a unit, a sign; not what a structure does."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from identification.together import loudness, off_by
+from identification.together import loudness, off_by, wholly_off
+from models.record import Record
 
 RNG = np.random.default_rng(4)
 MODEL = RNG.standard_normal((4, 2000)) * np.array([[1.0], [3.0], [0.2], [1.0]])
@@ -59,3 +62,12 @@ def test_one_channel_shares_nothing_and_a_dead_one_tells_nothing():
     dead[2] = 0.0
     assert "all 3 channels" in off_by(dead, MODEL)
     np.testing.assert_allclose(loudness(dead, MODEL), 9.81)
+
+
+@pytest.mark.parametrize(("force", "told"), [(RNG.standard_normal(2000), True), (None, False)])
+def test_what_drives_a_record_is_to_be_measured_for_a_factor_to_be_told(force, told):
+    """Without it the model only decays, and what goes on to move is no unit."""
+    record = Record("test", 512.0, force, tuple("ABCD"), 9.81 * MODEL)
+    row = SimpleNamespace(record=record, predicted=MODEL)
+
+    assert bool(wholly_off(SimpleNamespace(records=(row,)))) == told
