@@ -255,8 +255,8 @@ class Diagnosis:
         findings: what was noticed in the records, in words.
         calibration: what one set of numbers does not explain, the most significant first.
         not_predicted: a sentence for each record kept aside on which what was learnt does not hold.
-        candidates_beside: effects in the model beside which the candidates were judged last: those that were added to
-            the first one, where it was judged again beside them.
+        candidates_beside: effects in the model beside which the candidates were judged last: those that were tried
+            after the first one, where it was judged again beside them.
     """
 
     verdict: Verdict

@@ -1,3 +1,3 @@
 """What a person touches: records, commands and reports."""
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"

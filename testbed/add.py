@@ -78,21 +78,19 @@ def _begun(evaluator: Evaluator, given: Hypothesis, pattern: Effect, options: di
     which have moved to stand for the effect, it may be too small.
 
     Raises:
-        DivergenceError: from neither is there a trial value under which the motion stays finite.
+        ArithmeticError: from neither is there a trial value under which the motion stays finite.
     """
-    lost, found = None, []
-    calibrated = calibrate(evaluator, given, unknowns_of(given, evaluator)).hypothesis
-    for model in (given, calibrated):
+    found = []
+    for is_calibrated in (False, True):
         try:
+            model = calibrate(evaluator, given, unknowns_of(given, evaluator)).hypothesis if is_calibrated else given
             best = _best(evaluator, model, trials_at(evaluator, model, pattern, options), pattern)
             start = tried_with(evaluator, model, best)
             unknowns = (*unknowns_of(start, evaluator), *effect_unknowns(start, places=False))
             found.append(calibrate(evaluator, start, unknowns))
-        except DivergenceError as error:
-            lost = error
-    if not found:
-        assert lost is not None
-        raise lost
+        except ArithmeticError:
+            if is_calibrated and not found:
+                raise
     return min(found, key=lambda each: each.cost).hypothesis
 
 

@@ -78,8 +78,8 @@ def _at_one_place(rig: Rig) -> Iterator[str]:
     for one, other in combinations(rig.sleeves, 2):
         if one.position is not None and one.position == other.position:
             yield (
-                f"{one.name} and {other.name} are both at {one.position:g} m; sleeves at one place act as one, and no "
-                "measurement tells their numbers apart; write their positions, m from the clamp, or one sleeve alone"
+                f"{one.name} and {other.name} are both at {one.position:g} m; sleeves at one place act as one, whose "
+                "numbers hardly a measurement tells apart; write their positions, m from the clamp, or one sleeve alone"
             )
 
 

@@ -31,7 +31,10 @@ class _Pool(ProcessPoolExecutor):
 
 @contextmanager
 def _interrupts_held() -> Iterator[None]:
-    """What is begun meanwhile inherits that; where the system has no such thing, nothing is held."""
+    """What is begun meanwhile inherits that; where the system has no such thing, nothing is held.
+
+    The tracker of shared resources, which lets interrupts through when it starts, was started with the pool.
+    """
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return

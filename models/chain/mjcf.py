@@ -154,7 +154,7 @@ def _give_mass(
         across += mass * structure.diameter**2 / 16.0
     body.mass, body.ipos = mass, [0.5 * sum(span), 0.0, 0.0]
     about = max(THIN, mass * structure.diameter**2 / 8.0) if settings.rotary_inertia else THIN
-    body.inertia = [min(about, across), across, across]  # no body has more about one axis than about both others
+    body.inertia = [min(about, 2.0 * across), across, across]  # no body has more about one axis than about two others
     body.explicitinertial = True
     _draw(body, structure, span[0] if hinge else 0.0, span[1])
 

@@ -97,7 +97,7 @@ def print_diagnosis(content: Mapping[str, Any]) -> None:
         print_table(("added", "probability", "parameter", f"value {ONE_STD}", "unit"), effects)
     judged = [(named(row), chance_of(row["probability"]), row["nrmse"]) for row in content["candidates"][:5]]
     if judged:
-        others = " and ".join(named(effect) for effect in content.get("candidates_beside", ()))
+        others = " and ".join(named(effect) for effect in content["candidates_beside"])
         beside = f"{others} and the calibrated rig" if others else "the calibrated rig"
         print_table(("candidate", "probability", "NRMSE"), judged, f"first round, each beside {beside}")
     for group in content["indistinguishable"]:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from models.arrays import AnyArray
-from models.record import AnyRecord, FrfRecord, Record
+from models.record import AnyRecord, FrfRecord, ModeShapeRecord, Record
 
 SAME = 1e-4
 """Difference as a share of a channel's rms, below which two tests are one: five digits print samples that well, and no
@@ -31,7 +31,9 @@ def _on_one_base(one: AnyRecord, other: AnyRecord) -> bool:
         return abs(one.fs - other.fs) <= SAME_RATE * one.fs
     if isinstance(one, FrfRecord) and isinstance(other, FrfRecord):
         return _is_same(one.frequency, other.frequency)
-    return len(_samples(one, one.sensors[0])) == len(_samples(other, other.sensors[0]))
+    if isinstance(one, ModeShapeRecord) and isinstance(other, ModeShapeRecord):
+        return len(one.natural_freqs) == len(other.natural_freqs) and _is_same(one.natural_freqs, other.natural_freqs)
+    return False
 
 
 def _samples(record: AnyRecord, name: str) -> AnyArray:

@@ -90,7 +90,14 @@ def test_exchanged_sensors_have_no_number_to_fit(folder, capsys):
 
 def test_an_effect_without_numbers_has_a_row_in_the_diagnosis(capsys):
     swap = {"kind": "sensor_swap", "sensor": "P1", "other": "P3", "probability": 1.0, "parameters": {}}
-    empty = {"error": [], "holdout": {}, "candidates": [], "indistinguishable": [], "where": {}}
+    empty = {
+        "error": [],
+        "holdout": {},
+        "candidates": [],
+        "candidates_beside": [],
+        "indistinguishable": [],
+        "where": {},
+    }
     print_diagnosis(
         {**empty, "effects": [swap], "verdict": "missing_effect", "next_experiment": {"do": "-", "why": "-"}}
     )

@@ -273,7 +273,10 @@ def test_a_note_stands_once_and_those_of_the_calibrated_model_stand_apart(capsys
         "findings": ["P1 is odd", "calibrated model: damping drifts"],
         "of_calibrated": ["calibrated model: damping drifts"],
     }
-    content = {"error": [], "holdout": {}, "candidates": [], "indistinguishable": [], "verdict": "missing_effect"}
+    content = {
+        "error": [], "holdout": {}, "candidates": [], "candidates_beside": [], "indistinguishable": [],
+        "verdict": "missing_effect",
+    }  # fmt: skip
     film = {"kind": "squeeze_film", "sleeve": "sleeve 2", "probability": 0.9, "parameters": {}}
     proposed = {"do": "rest", "why": "enough"}
     print_diagnosis({**content, "where": told, "effects": [film], "next_experiment": proposed})

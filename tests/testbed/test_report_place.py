@@ -6,14 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made_up_diagnosis import made_up_diagnosis, made_up_score
+from made_up_diagnosis import made_up_diagnosis
 
 from identification.locating.located import Curve, FreedChannel, Located, PlacedForce, Shape
 from models.rig_file import read_rig
 from testbed.loop import diagnosis_json
 from testbed.report import provenance, write_report
 from testbed.report.place_figure import place_picture
-from testbed.report.words import second_line
+from testbed.report.words import headline, second_line
 
 RIG = Path("tests/data/reference_rig.toml")
 WORDS = "one force at sleeve 2, 1.000 m from the clamp explains 93% of the misfit"
@@ -122,14 +122,28 @@ def test_a_place_elsewhere_than_the_effect_is_no_evidence_for_it(diagnosis, tmp_
     assert f"Place of the missing force: {WORDS}" in below
 
 
-@pytest.mark.parametrize(("error", "told"), [(0.0071, False), (0.0066, False), (0.0056, True)])
-def test_a_model_below_the_noise_floor_says_that_the_floor_is_too_high(diagnosis, error, told):
-    (row,) = diagnosis.stages[-1].score.records
-    last = replace(diagnosis.stages[-1], score=made_up_score(row.record, error))
-    low = replace(diagnosis, stages=(*diagnosis.stages[:-1], last))
+def test_a_record_kept_aside_alone_that_is_unexplained_is_no_force_that_is_placed(diagnosis):
+    """The calibrated model meets what it was fitted to: what its channels lack is noise."""
+    met = replace(diagnosis.stages[1], score=diagnosis.stages[2].score)
+    found = replace(diagnosis, verdict="unexplained", added=(), stages=(diagnosis.stages[0], met), times_noise=1.02)
+    missed = replace(found, not_predicted=("on loud, kept aside, the model leaves 9 times the noise",))
 
-    assert second_line(low).startswith("That is 0.80 times the noise floor: the sensors' or the force's noise") == told
-    assert ("noise floor" in second_line(low)) == told
+    assert "the calibrated model meets what it was fitted to" in headline(missed)
+    assert headline(found).startswith("Something is missing, and no effect of the library is sure to be it")
+    assert second_line(missed).endswith("On loud, kept aside, the model leaves 9 times the noise.")
+    assert "N rms" not in second_line(missed)
+    assert "N rms" in second_line(found)
+
+
+@pytest.mark.parametrize(("times", "told"), [(1.02, False), (0.95, False), (0.8, True)])
+def test_a_model_below_the_noise_says_that_it_was_estimated_too_high(diagnosis, times, told):
+    low = replace(diagnosis, times_noise=times)
+
+    words = (
+        "The model leaves 0.80 times the noise line by line: the sensors' or the force's noise was estimated too high"
+    )
+    assert second_line(low).startswith(words) == told
+    assert ("estimated too high" in second_line(low)) == told
 
 
 @pytest.mark.parametrize(

@@ -233,6 +233,10 @@ ALWAYS = {
         csv(lambda lines: ["Recorder: R7, 8 channels", "Rate: 2048", *lines]),
         ["bad.csv", "2 lines stand above the header, as 'Recorder: R7, 8", "remove them, or begin each with #"],
     ),
+    "one line above, semicolons and decimal commas": (
+        csv(lambda lines: ["Recorder: R7", *(line.replace(",", ";").replace(".", ",") for line in lines)]),
+        ["bad.csv", "1 line stands above the header, as 'Recorder: R7'", "remove them, or begin each with #"],
+    ),
     "a comma behind each line": (
         csv(lambda lines: [f"{line}," for line in lines]),
         ["bad.csv", "a ',' stands at the end of each line", "remove it there"],

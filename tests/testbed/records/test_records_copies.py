@@ -55,3 +55,4 @@ def test_frfs_and_mode_shapes_are_compared_as_well():
     assert is_same_test(MODES, replace(MODES, name="copy.uff"))
     assert not is_same_test(MODES, replace(MODES, shapes=1.01 * MODES.shapes))
     assert not is_same_test(MODES, replace(MODES, natural_freqs=MODES.natural_freqs[:2], shapes=MODES.shapes[:2]))
+    assert not is_same_test(MODES, replace(MODES, natural_freqs=1.01 * MODES.natural_freqs))
