@@ -262,7 +262,8 @@ class BesideRun:
         q = self.trace.q[self.port_of(place)]
         for contact in self.plant.contacts:
             if contact.position == place:
-                depth = max(float(np.abs(q - contact.offset).max()) - contact.clearance, SHALLOW * float(np.ptp(q)))
+                reached = float(np.abs(q - contact.offset).max()) - contact.clearance
+                depth = max(reached, SHALLOW * float(np.ptp(q)), LEAST_DEPTH)
                 return 0.5 * contact.law.elastic(depth) / depth
         slow = 2.0 * np.pi * LEAST_CYCLES / self.record.duration
         return float(np.sum(self.model.carried**2)) * slow**2
@@ -283,5 +284,5 @@ class BesideRun:
 LEAST_CYCLES = 2.0
 """Cycles within the record of a mass that nothing but the moved spring holds; without it its motion has no spectrum."""
 
-SHALLOW = 0.01
-"""Least penetration, as a share of the motion, for the secant of a contact that never touches."""
+SHALLOW, LEAST_DEPTH = 0.01, 1e-9
+"""Least penetration, as a share of the motion and in m, for the secant of a contact that never touches."""

@@ -43,6 +43,17 @@ def test_an_unheard_channel_says_nothing():
     np.testing.assert_allclose(np.delete(ratio, 5, axis=1), 1.0)
 
 
+def test_a_model_that_does_not_move_at_all_has_springs_as_well():
+    floating = REFERENCE.model_copy(update={"structure": REFERENCE.structure.model_copy(update={"gravity": 0.0})})
+    record, noise = measured(Hypothesis(floating), multisine(2048, rms=6.0, high=300.0))
+    still = replace(record, excitation=np.zeros(record.n_samples))
+
+    (run,) = runs_beside(evaluator_of((still, noise), rig=floating), Hypothesis(floating))
+
+    assert np.ptp(run.trace.q) == 0.0
+    assert np.all(run.springs > 0.0)
+
+
 class Listener:
     """A session that is only told."""
 
