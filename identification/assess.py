@@ -69,5 +69,15 @@ def fit_effects(hypothesis: Hypothesis, records: Sequence[AnyRecord], *, jobs: i
     """
     rng = np.random.default_rng(seed)
     evaluator = prepare(hypothesis, records, jobs, rng)
+    return corrected(evaluator, calibrate_effects(evaluator, hypothesis), rng)
+
+
+def calibrate_effects(evaluator: Evaluator, hypothesis: Hypothesis) -> Fit:
+    """The numbers of the hypothesis's effects calibrated together with the rig's, at the places where they are.
+
+    Args:
+        evaluator: with the records.
+        hypothesis: with effects at trial values.
+    """
     unknowns = (*unknowns_of(hypothesis, evaluator), *effect_unknowns(hypothesis, places=False))
-    return corrected(evaluator, calibrate(evaluator, hypothesis, unknowns), rng)
+    return calibrate(evaluator, hypothesis, unknowns)

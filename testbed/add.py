@@ -1,16 +1,17 @@
 """One effect added by hand: the best of its trial values at its place, then fitted with everything else."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from identification.assess import fit_effects
+from identification.assess import calibrate_effects, fit_effects
 from identification.calibrate import calibrate, unknowns_of
 from identification.evaluate import Evaluator
 from identification.fit import Fit
-from identification.hypothesis import Hypothesis, effect_unknowns
+from identification.hypothesis import Hypothesis
 from identification.in_step import tried_with
 from identification.prepare import prepare
 from identification.scene import scenes
@@ -61,7 +62,7 @@ def add_effect(rig: Rig, entry: EffectEntry, records: Sequence[Record], *, seed:
 
     Raises:
         InputError: a kind or place that does not fit the rig.
-        DivergenceError: there is no trial value under which the motion stays finite.
+        ArithmeticError: there is no trial value under which the motion stays finite.
     """
     pattern = pattern_of(rig, entry)
     before = Hypothesis(rig)
@@ -80,16 +81,15 @@ def _begun(evaluator: Evaluator, given: Hypothesis, pattern: Effect, options: di
     Raises:
         ArithmeticError: from neither is there a trial value under which the motion stays finite.
     """
-    found = []
-    for is_calibrated in (False, True):
+    models, found = [given], []
+    with suppress(ArithmeticError):  # without a calibration the rig as given is left
+        models.append(calibrate(evaluator, given, unknowns_of(given, evaluator)).hypothesis)
+    for model in models:
         try:
-            model = calibrate(evaluator, given, unknowns_of(given, evaluator)).hypothesis if is_calibrated else given
             best = _best(evaluator, model, trials_at(evaluator, model, pattern, options), pattern)
-            start = tried_with(evaluator, model, best)
-            unknowns = (*unknowns_of(start, evaluator), *effect_unknowns(start, places=False))
-            found.append(calibrate(evaluator, start, unknowns))
+            found.append(calibrate_effects(evaluator, tried_with(evaluator, model, best)))
         except ArithmeticError:
-            if is_calibrated and not found:
+            if model is models[-1] and not found:
                 raise
     return min(found, key=lambda each: each.cost).hypothesis
 

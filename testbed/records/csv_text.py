@@ -100,7 +100,7 @@ def _split(lines: list[str], file: str) -> tuple[str, list[str]]:
     """The header and the rows; a header behind ``#``, as numpy writes it, counts where no other stands."""
     comments = [line for line in lines if line.lstrip().startswith("#")]
     body = [line for line in lines if not line.lstrip().startswith("#")]
-    if body and not _is_number(re.split(r"[;\t,]", body[0])[0]):
+    if body and not _begins_with_number(body[0]):
         _check_nothing_above(body, file)
         header, rows = body[0], body[1:]
     elif comments:
@@ -115,12 +115,16 @@ def _split(lines: list[str], file: str) -> tuple[str, list[str]]:
     return header, rows
 
 
+def _begins_with_number(line: str) -> bool:
+    return _is_number(re.split(r"[;\t,]", line)[0])
+
+
 def _check_nothing_above(body: list[str], file: str) -> None:
     """Whether the header comes first: what a recorder's maker writes above it has other cells than the numbers."""
-    first = next((line for line in body if _is_number(re.split(r"[;\t,]", line)[0])), "")
-    separator = next((each for each in ";\t" if each in first), ",")
-    rows = [next(csv.reader([line], delimiter=separator), []) for line in body[: body.index(first) if first else 0]]
-    width = first.count(separator) + 1
+    numbers = next((i for i, line in enumerate(body) if _begins_with_number(line)), 0)
+    separator = next((each for each in ";\t" if each in body[numbers]), ",")
+    rows = [next(csv.reader([line], delimiter=separator), []) for line in body[:numbers]]
+    width = body[numbers].count(separator) + 1
     heads = [i for i, row in enumerate(rows) if len(row) == width and not any(map(_is_number, row))]
     if not heads or heads[0] == 0:
         return

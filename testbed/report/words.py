@@ -107,7 +107,7 @@ def headline(diagnosis: Diagnosis) -> str:
     if _meets_only_what_it_saw(diagnosis):
         return (
             f"Something is missing that shows in a record kept aside: the calibrated model meets what it was fitted to "
-            f"({fall}, and {floor_is}), and no numbers of it explain that record too."
+            f"({fall}, and {floor_is}), and what was learnt does not hold there."
         )
     return (
         f"Something is missing, and no effect of the library is sure to be it: the best model still errs by "

@@ -56,6 +56,10 @@ EXPERIMENT = Path(__file__).parents[2] / "docs" / "experiment.toml"
             ["compare", str(RIG), "a.csv", "--jobs", "1.5"],
             "testbed compare: Invalid value for '--jobs': 1.5; it is a wh",
         ),
+        (
+            ["simulate", str(RIG), str(EXPERIMENT), "--parts", "1001"],
+            "testbed simulate: Invalid value for '--parts': 1001; it is ",
+        ),
         (["diagnose", str(RIG), "a.csv", "--holdout", "b/a.csv"], "a.csv is named 2 times"),
         (["compare", "a.csv", "a.csv"], "a.csv: a record in the place of the rig; the rig file (.toml) comes first"),
         (["diagnose", str(RIG), "a.csv", "--out", str(RIG)], f"--out {RIG}: {RIG} is a file; results go into a folder"),

@@ -71,3 +71,10 @@ def test_the_engine_has_the_sleeves_mass_and_inertia(chain):
     assert body.mass[0] == pytest.approx(SLEEVE_DENSITY * ring.volume, rel=1e-5)
     expected = SLEEVE_DENSITY * np.linalg.eigvalsh(ring.moment_inertia)
     np.testing.assert_allclose(np.sort(body.inertia), expected, rtol=1e-5)
+
+
+def test_as_many_segments_as_a_command_takes_are_bodies_that_may_be():
+    """Of short ones a fixed moment about the beam's axis would be more than those about the others allow."""
+    model = chain_of(build_plant(REFERENCE), 1000).model
+    about, *across = np.sort(model.body_inertia[2], axis=0)[::-1]
+    assert 0.0 < about <= sum(across) * (1.0 + 1e-9)
