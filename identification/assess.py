@@ -23,7 +23,7 @@ def assess(hypothesis: Hypothesis, records: Sequence[AnyRecord], *, jobs: int = 
     Args:
         hypothesis: the model.
         records: of any kind.
-        jobs: threads.
+        jobs: cores.
         seed: of the noise that is carried through the model.
     """
     evaluator = prepare(hypothesis, records, jobs, np.random.default_rng(seed))
@@ -64,7 +64,7 @@ def fit_effects(hypothesis: Hypothesis, records: Sequence[AnyRecord], *, jobs: i
     Args:
         hypothesis: with effects at trial values.
         records: of any kind.
-        jobs: threads.
+        jobs: cores.
         seed: of the noise that is carried through the model.
     """
     rng = np.random.default_rng(seed)

@@ -93,7 +93,7 @@ def diagnose(
         holdout: records kept aside, to which no number is fitted: they show what the updated model is worth, refute it
             where no numbers explain them too, and decide about a law about whose numbers the others do not agree.
         seed: of every random choice.
-        jobs: threads.
+        jobs: cores.
         registry: kinds of effects to consider.
         most_effects: added at most; one in all sleeves counts once.
         alike: whether the same may be wrong with all sleeves, so that what sits in one is tried in all of them at once.

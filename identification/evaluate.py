@@ -1,32 +1,29 @@
 """Residuals of hypotheses against records of any kind, in units of the noise, on all cores.
 
-The threads share the records; the time stepper and the transforms run outside Python's lock.
+Each process that works at them has met the records once.
 """
 
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
-from typing import Protocol, Self, TypeVar
+from functools import cached_property, partial
+from typing import Any, Protocol, Self
 
 import numpy as np
 from scipy import fft
 from scipy.ndimage import uniform_filter1d
-from threadpoolctl import threadpool_limits
 
 from identification.hypothesis import Hypothesis
 from identification.metrics import pooled_nrmse
 from identification.noise import Noise
+from identification.parallel import in_parallel
 from identification.rest_target import FrfTarget, ModesTarget
+from identification.wire import sent_once
 from models.arrays import BoolArray, ComplexArray, FloatArray
 from models.band_limit import SCORE_EDGE
 from models.errors import DivergenceError
 from models.plant import Plant
 from models.record import AnyRecord, Record
 from models.simulate import Response, Settings
-
-Item = TypeVar("Item")
-Product = TypeVar("Product")
 
 
 class Target(Protocol):
@@ -55,6 +52,7 @@ class Target(Protocol):
         """
 
 
+@sent_once
 @dataclass(frozen=True, eq=False)
 class TimeTarget:
     """A time record as a fit sees it.
@@ -359,23 +357,8 @@ def nrmse(residual: ComplexArray, measured: ComplexArray, quantities: Sequence[s
     return pooled_nrmse(error, power, quantities)
 
 
-def in_parallel(jobs: int, work: Callable[[Item], Product], items: Iterable[Item]) -> list[Product]:
-    """The results in order; with one job in the caller's own thread, so that work in parallel can itself be divided.
-
-    Args:
-        jobs: threads.
-        work: what releases Python's lock for most of its time.
-        items: one after the other.
-    """
-    pool = _pool(jobs)
-    return [work(item) for item in items] if jobs == 1 else list(pool.map(work, items))
-
-
-@cache
-def _pool(jobs: int) -> ThreadPoolExecutor:
-    """One pool for all evaluators; its threads do small algebra, in which the library's own threads get in the way."""
-    threadpool_limits(1)
-    return ThreadPoolExecutor(jobs, thread_name_prefix="simulate")
+FEW = 8
+"""Hypotheses a core below which each record of each is a job by itself, the longest first: less of a core is idle."""
 
 
 class Evaluator:
@@ -383,7 +366,7 @@ class Evaluator:
 
     Args:
         targets: the records.
-        jobs: threads.
+        jobs: cores.
         settings: resolution of the model.
     """
 
@@ -392,6 +375,10 @@ class Evaluator:
         self.jobs = jobs
         self.settings = settings
         self.n_runs = 0
+
+    def __reduce__(self) -> tuple[type, tuple[Any, ...]]:
+        """What it was made of, without what was derived since."""
+        return Evaluator, (self.targets, self.jobs, self.settings)
 
     def with_targets(self, targets: Sequence[Target]) -> "Evaluator":
         """The same for other records."""
@@ -402,7 +389,7 @@ class Evaluator:
         return Evaluator(self.targets, self.jobs, settings)
 
     def with_jobs(self, jobs: int) -> "Evaluator":
-        """The same in so many threads."""
+        """The same on so many cores."""
         return Evaluator(self.targets, jobs, self.settings)
 
     @cached_property
@@ -471,13 +458,8 @@ class Evaluator:
         Raises:
             DivergenceError: the motion left the finite numbers.
         """
-        plant = hypothesis.plant()
-
-        def one(target: TimeTarget) -> Response:
-            return target.response(hypothesis, settings or self.settings, plant)
-
         self.n_runs += len(self.timed)
-        return in_parallel(self.jobs, one, self.timed)
+        return in_parallel(self.jobs, partial(_response, hypothesis, settings or self.settings), self.timed)
 
     def residuals(self, hypotheses: Iterable[tuple[Hypothesis, str | None]]) -> list[FloatArray | None]:
         """Residuals in units of the noise, one row of ``n_data`` numbers a hypothesis, None where it diverges.
@@ -487,29 +469,50 @@ class Evaluator:
                 records' parts are then left at 0.
         """
         asked = list(hypotheses)
+        wanted = [
+            [k for k, target in enumerate(self.targets) if only is None or target.record.name == only]
+            for _, only in asked
+        ]
+        self.n_runs += sum(len(each) for each in wanted)
+        jobs = self._shared_out(wanted)
+        found = in_parallel(
+            self.jobs,
+            partial(_residuals, self.targets, self.settings),
+            [(asked[k][0], each) for k, each in jobs],
+            alike=len(jobs) == len(asked),
+        )
         rows: list[FloatArray | None] = [np.zeros(self.n_data) for _ in asked]
         ends = np.cumsum([target.n_data for target in self.targets])
-
-        def one(job: tuple[int, Sequence[int]]) -> None:
-            number, wanted = job
-            for k in wanted:
-                try:
-                    part = self.targets[k].residual(asked[number][0], self.settings)
-                except DivergenceError:
-                    rows[number] = None
-                row = rows[number]
-                if row is None:
-                    return
+        for (number, each), parts in zip(jobs, found, strict=True):
+            row = rows[number]
+            if parts is None or row is None:
+                rows[number] = None
+                continue
+            for k, part in zip(each, parts, strict=True):
                 row[ends[k] - len(part) : ends[k]] = part
-
-        jobs: list[tuple[int, Sequence[int]]] = []
-        for number, (_, only) in enumerate(asked):
-            wanted = [k for k, target in enumerate(self.targets) if only is None or target.record.name == only]
-            # Records one after the other share the model; where there are few models, each record is a job.
-            jobs += [(number, wanted)] if len(asked) >= self.jobs else [(number, [k]) for k in wanted]
-        self.n_runs += sum(len(wanted) for _, wanted in jobs)
-        in_parallel(self.jobs, one, jobs)
         return rows
+
+    def _shared_out(self, wanted: Sequence[list[int]]) -> list[tuple[int, list[int]]]:
+        """Numbers of hypotheses, each with the records that are simulated one after the other."""
+        if self.jobs == 1 or len(wanted) >= FEW * self.jobs:
+            return list(enumerate(wanted))
+        jobs = [(number, [k]) for number, each in enumerate(wanted) for k in each]
+        return sorted(jobs, key=lambda job: -self.targets[job[1][0]].n_data)
+
+
+def _residuals(
+    targets: Sequence[Target], settings: Settings, asked: tuple[Hypothesis, Sequence[int]]
+) -> list[FloatArray] | None:
+    """Residuals of a hypothesis against some of the targets, None where it diverges."""
+    hypothesis, wanted = asked
+    try:
+        return [targets[k].residual(hypothesis, settings) for k in wanted]
+    except DivergenceError:
+        return None
+
+
+def _response(hypothesis: Hypothesis, settings: Settings, target: TimeTarget) -> Response:
+    return target.response(hypothesis, settings)
 
 
 def whitened(residual: ComplexArray, target: TimeTarget) -> FloatArray:

@@ -9,16 +9,18 @@ louder or quieter by one factor, or turns them over.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import combinations
 
 import numpy as np
 
 from identification.at_rest import linear_model
 from identification.calibrate import beginning, concerning
-from identification.evaluate import Evaluator, TimeTarget, in_parallel, unwhitened, whitened
+from identification.evaluate import Evaluator, TimeTarget, unwhitened, whitened
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis
 from identification.lines import lines_left
+from identification.parallel import in_parallel
 from identification.scene import each_sensor
 from identification.screen import Projection
 from identification.sketch import afresh
@@ -201,14 +203,14 @@ def _left_in(window: Evaluator, there: Fit, alone: Sequence[Place], pairs: Seque
     promised = [_left_beside(window, ground, pairs) for ground in _grounds(window, there)]
     least = {pair: min((row[pair] for row in promised), default=1.0) for pair in pairs}
     promising = [pair for pair in sorted(pairs, key=least.__getitem__)[:MOST_PAIRS] if least[pair] < PROMISED]
-    faults, by_one = [Place(), *alone, *promising], window.with_jobs(1)
-
-    def excess(fault: Place) -> float:
-        mended = [_without_fault(target, fault) for target in by_one.timed]
-        return _excess(by_one.with_targets([target for target in mended if target.record.sensors]), there)
-
-    whole, *left = in_parallel(window.jobs, excess, faults)
+    faults = [Place(), *alone, *promising]
+    whole, *left = in_parallel(window.jobs, partial(_excess_without, window.with_jobs(1), there), faults)
     return {fault: each / whole if whole > 0.0 else 1.0 for fault, each in zip(faults[1:], left, strict=True)}
+
+
+def _excess_without(window: Evaluator, there: Fit, fault: Place) -> float:
+    mended = [_without_fault(target, fault) for target in window.timed]
+    return _excess(window.with_targets([target for target in mended if target.record.sensors]), there)
 
 
 def _excess(evaluator: Evaluator, base: Fit) -> float:

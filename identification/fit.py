@@ -11,9 +11,11 @@ import numpy as np
 
 from identification.evaluate import Evaluator
 from identification.hypothesis import Hypothesis, Unknown, at_coordinates, coordinates
+from identification.wire import sent_once
 from models.arrays import BoolArray, FloatArray
 
 
+@sent_once
 @dataclass(frozen=True, eq=False)
 class Fit:
     """A hypothesis at the least-squares minimum of some unknowns.

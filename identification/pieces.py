@@ -11,19 +11,21 @@ G. H. Golub, V. Pereyra, SIAM J. Numer. Anal. 10 (1973) 413.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise
 from math import inf
 from typing import Any, Self
 
 import numpy as np
 
-from identification.evaluate import Evaluator, Target, TimeTarget, carry_noise, in_parallel, whitened
+from identification.evaluate import Evaluator, Target, TimeTarget, carry_noise, whitened
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis
 from identification.onset import goes_on
+from identification.parallel import in_parallel
 from identification.piece_start import PieceStart, start_near, start_sought
 from identification.prepare import MIN_SAMPLES, Horizon, horizons
+from identification.wire import sent_once
 from models.arrays import FloatArray
 from models.plant import Plant
 from models.record import Record
@@ -39,6 +41,7 @@ LOUDEST = 0.15
 """Noise, as a share of the motion, up to which a piece is used: beyond, it is not in proportion to the force's."""
 
 
+@sent_once
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Piece(TimeTarget):
     """A part of a record that begins in motion, as a fit sees it: beyond what its start could do.
@@ -123,8 +126,7 @@ def pieces_of(
     if not torn or hypothesis.offsets or not goes_on(hypothesis):
         return ()
     model, most = replace(hypothesis, motions={}), max(1, int(IN_ALL / SECONDS / len(torn)))
-    one_by_one = evaluator.with_jobs(1)
-    rows = in_parallel(evaluator.jobs, lambda pair: _pieces_from(one_by_one, model, *pair, most), torn)
+    rows = in_parallel(evaluator.jobs, partial(_pieces_from, evaluator.with_jobs(1), model, most), torn)
     pieces = [piece for row in rows for piece in row]
     if not pieces:
         return ()
@@ -149,10 +151,9 @@ def most_missed(evaluator: Evaluator, base: Fit, seconds: float) -> list[Piece]:
     return [target for target, _ in pieces[: int(np.searchsorted(lengths, seconds)) + 1]]
 
 
-def _pieces_from(
-    evaluator: Evaluator, hypothesis: Hypothesis, target: TimeTarget, first: int, most: int
-) -> list[Piece]:
+def _pieces_from(evaluator: Evaluator, hypothesis: Hypothesis, most: int, torn: tuple[TimeTarget, int]) -> list[Piece]:
     """The next pieces of a record from a sample on, each begun where the one before it leads to, until one is lost."""
+    target, first = torn
     fs, n = target.record.fs, round(SECONDS * target.record.fs)
     found: list[Piece] = []
     motion = hypothesis.motion_at(target.driven, first, evaluator.settings)
@@ -186,12 +187,7 @@ def begun_by(evaluator: Evaluator, hypothesis: Hypothesis) -> tuple[Evaluator, H
     """
     if not in_pieces(evaluator):
         return evaluator, hypothesis
-    one_by_one = evaluator.with_jobs(1)
-
-    def one(target: Target) -> Target:
-        return _begun_near(one_by_one, hypothesis, target) if isinstance(target, Piece) else target
-
-    targets = in_parallel(evaluator.jobs, one, evaluator.targets)
+    targets = in_parallel(evaluator.jobs, partial(_begun_near, evaluator.with_jobs(1), hypothesis), evaluator.targets)
     begun = {target.record.name: target.start.begin for target in targets if isinstance(target, Piece)}
     return evaluator.with_targets(targets), replace(hypothesis, motions={**hypothesis.motions, **begun})
 
@@ -201,8 +197,13 @@ def in_pieces(evaluator: Evaluator) -> bool:
     return any(isinstance(target, Piece) for target in evaluator.targets)
 
 
-def _begun_near(evaluator: Evaluator, hypothesis: Hypothesis, piece: Piece) -> Piece:
-    """A piece begun by a model near where others do, or where it has begun it before; as it is where that is lost."""
+def _begun_near(evaluator: Evaluator, hypothesis: Hypothesis, piece: Target) -> Target:
+    """A piece begun by a model near where others do, or where it has begun it before; as it is where that is lost.
+
+    What is no piece stays as it is.
+    """
+    if not isinstance(piece, Piece):
+        return piece
     name, alone = piece.record.name, evaluator.with_targets([piece])
     begins = [piece.start.begin, *(motion for of, motion in hypothesis.motions.items() if of == name)]
     rows = alone.residuals([(replace(hypothesis, motions={name: begin}), None) for begin in begins])

@@ -45,7 +45,7 @@ def prepare(hypothesis: Hypothesis, records: Sequence[AnyRecord], jobs: int, rng
     Args:
         hypothesis: the model that carries it.
         records: of any kind.
-        jobs: threads.
+        jobs: cores.
         rng: for the realisations of the noise.
 
     Raises:

@@ -10,6 +10,7 @@ from identification.frf_noise import frf_noise
 from identification.hypothesis import Hypothesis
 from identification.metrics import pooled_nrmse
 from identification.result import FrfScore, ModesScore
+from identification.wire import sent_once
 from models.arrays import BoolArray, ComplexArray, FloatArray
 from models.errors import InputError
 from models.record import FrfRecord, ModeShapeRecord
@@ -34,6 +35,7 @@ NO_MODE = 1.0
 """Relative error of a measured mode that the model does not have."""
 
 
+@sent_once
 @dataclass(frozen=True, eq=False)
 class FrfTarget:
     """FRFs as a fit sees them.
@@ -127,6 +129,7 @@ class FrfTarget:
         )
 
 
+@sent_once
 @dataclass(frozen=True, eq=False)
 class ModesTarget:
     """Natural frequencies, damping ratios where the file has them, and mode shapes as a fit sees them.

@@ -6,14 +6,16 @@ numbers are from the truth. So many suspects are fitted on very little, the best
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import inf
 
 from identification.calibrate import beginning, concerning
-from identification.evaluate import Evaluator, in_parallel
+from identification.evaluate import Evaluator
 from identification.evidence import log_occam
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, Unknown, own_unknowns
 from identification.in_step import tried_with
+from identification.parallel import in_parallel
 from identification.progress import silent
 from identification.scene import NEAR, is_same_place
 from identification.screen import Projection, promising, survey
@@ -238,21 +240,20 @@ def sketched(
         near: all unknowns at once from the first.
         own_slopes: each with its own and more iterations, so that what explained the beginning is not lost farther on.
     """
-    evaluator = ground.evaluator.with_jobs(1)
+    work = partial(_sketched, ground, near=near, own_slopes=own_slopes)
+    found = zip(in_parallel(ground.evaluator.jobs, work, suspects), suspects, strict=True)
+    return by_share([Sketch(ground.quick, one, suspect.effects[-1]) for one, suspect in found if one])
 
-    def one(suspect: Hypothesis) -> Sketch | None:
-        own = own_unknowns(suspect)
-        unknowns = (*ground.bare.unknowns, *own)
-        if own_slopes:
-            found = _tried(evaluator, suspect, unknowns, ITERATIONS_FOLLOWED)
-        elif near:
-            found = _tried(evaluator, suspect, unknowns, ITERATIONS_TOGETHER, ground.slopes)
-        else:
-            alone = _tried(evaluator, suspect, own, ITERATIONS_ALONE)
-            found = alone and _tried(evaluator, alone.hypothesis, unknowns, ITERATIONS, ground.slopes)
-        return Sketch(ground.quick, found, suspect.effects[-1]) if found else None
 
-    return by_share([sketch for sketch in in_parallel(ground.evaluator.jobs, one, suspects) if sketch])
+def _sketched(ground: Ground, suspect: Hypothesis, *, near: bool, own_slopes: bool) -> Fit | None:
+    evaluator, own = ground.evaluator.with_jobs(1), own_unknowns(suspect)
+    unknowns = (*ground.bare.unknowns, *own)
+    if own_slopes:
+        return _tried(evaluator, suspect, unknowns, ITERATIONS_FOLLOWED)
+    if near:
+        return _tried(evaluator, suspect, unknowns, ITERATIONS_TOGETHER, ground.slopes)
+    alone = _tried(evaluator, suspect, own, ITERATIONS_ALONE)
+    return alone and _tried(evaluator, alone.hypothesis, unknowns, ITERATIONS, ground.slopes)
 
 
 def grown_from_bare(ground: Ground, sketches: Sequence[Sketch]) -> list[Sketch]:
@@ -265,19 +266,21 @@ def grown_from_bare(ground: Ground, sketches: Sequence[Sketch]) -> list[Sketch]:
         ground: that they were fitted on.
         sketches: of the suspects.
     """
-    evaluator, bare = ground.evaluator.with_jobs(1), ground.bare
+    lost = [sketch for sketch in sketches if sketch.fit.cost > ground.bare.cost]
+    found = in_parallel(ground.evaluator.jobs, partial(_grown_from_bare, ground), lost)
+    nearer = {old: replace(old, fit=new) for old, new in zip(lost, found, strict=True) if new}
+    return by_share([nearer.get(sketch, sketch) for sketch in sketches])
 
-    def again(sketch: Sketch) -> Sketch:
-        if sketch.fit.cost <= bare.cost:
-            return sketch
-        small = [tried_with(evaluator, bare.hypothesis, sketch.begun.scaled(factor)) for factor in SMALL]
-        rows = evaluator.residuals([(start, None) for start in small])
-        left = [inf if row is None else float(row @ row) for row in rows]
-        start = small[left.index(min(left))] if min(left) < sketch.fit.chi2 else sketch.fit.hypothesis
-        found = _tried(evaluator, start, sketch.fit.unknowns, ITERATIONS_FOLLOWED)
-        return replace(sketch, fit=found) if found and found.cost < sketch.fit.cost else sketch
 
-    return by_share(in_parallel(ground.evaluator.jobs, again, sketches))
+def _grown_from_bare(ground: Ground, sketch: Sketch) -> Fit | None:
+    """The fit of a sketch begun again, None where that ends no nearer."""
+    evaluator = ground.evaluator.with_jobs(1)
+    small = [tried_with(evaluator, ground.bare.hypothesis, sketch.begun.scaled(factor)) for factor in SMALL]
+    rows = evaluator.residuals([(start, None) for start in small])
+    left = [inf if row is None else float(row @ row) for row in rows]
+    start = small[left.index(min(left))] if min(left) < sketch.fit.chi2 else sketch.fit.hypothesis
+    found = _tried(evaluator, start, sketch.fit.unknowns, ITERATIONS_FOLLOWED)
+    return found if found and found.cost < sketch.fit.cost else None
 
 
 SMALL = (1.0, 0.1, 0.01)
@@ -312,34 +315,53 @@ def sketched_from_calibrated(
         for start in starts
     ]
     iterations = ITERATIONS_LASTING if lasting else ITERATIONS_TOGETHER
-    given, slopes = afresh(there.hypothesis), grounds[0].jacobian
-    alone = evaluator.with_jobs(1)
+    given, alone = afresh(there.hypothesis), evaluator.with_jobs(1)
     windows = [] if lasting else [beginning(alone, share, seconds) for share, seconds, _ in HEATS]
     shorter = [fit(window, given, concerning(there, window), max_iterations=0) for window in windows]
     whole = [(alone, ground.hypothesis, Projection(ground)) for ground in grounds]
     short = [(windows[0], given, Projection(shorter[0]))] if windows else []
+    begun = in_parallel(evaluator.jobs, partial(_begun, whole, short, windows, shorter), suspects)
+    together = partial(_together, alone, there.unknowns, grounds[0].jacobian, iterations)
 
-    def one(suspect: Effect) -> Sketch | None:
-        sizes = [suspect.scaled(factor) for factor in SIZES]
-        begun = [_best_size(*ground, sizes) for ground in whole]
-        for ground in short:
-            begun += _grown(windows, shorter, _best_size(*ground, sizes))
-        return _together(alone, there, begun, slopes, iterations)
+    def sketches_from(starts: Sequence[Sequence[Hypothesis]]) -> list[Sketch]:
+        found = zip(in_parallel(evaluator.jobs, together, starts), starts, strict=True)
+        return [Sketch(there, best, there_begun[0].effects[-1]) for best, there_begun in found if best]
 
-    sketches = [sketch for sketch in in_parallel(evaluator.jobs, one, suspects) if sketch]
+    sketches = sketches_from(begun)
     others = rivals(evaluator, there, by_share(sketches), registry)[:MOST_LONG_RIVALS]
-    more = in_parallel(evaluator.jobs, lambda rival: _together(alone, there, [rival], slopes, iterations), others)
-    return by_share([*sketches, *(sketch for sketch in more if sketch)])
+    return by_share([*sketches, *sketches_from([[rival] for rival in others])])
+
+
+Start = tuple[Evaluator, Hypothesis, Projection]
+"""Records, a model on them, and what its unknowns could do there as well."""
+
+
+def _begun(
+    whole: Sequence[Start],
+    short: Sequence[Start],
+    windows: Sequence[Evaluator],
+    shorter: Sequence[Fit],
+    suspect: Effect,
+) -> list[Hypothesis]:
+    """Where the fits of a suspect begin: of the best size on all records, and grown from their beginning."""
+    sizes = [suspect.scaled(factor) for factor in SIZES]
+    begun = [_best_size(*start, sizes) for start in whole]
+    for start in short:
+        begun += _grown(windows, shorter, _best_size(*start, sizes))
+    return begun
 
 
 def _together(
-    evaluator: Evaluator, there: Fit, starts: Sequence[Hypothesis], slopes: FloatArray, iterations: int
-) -> Sketch | None:
-    """The best sketch from some starts of one suspect, with all unknowns at once; None where all diverge."""
-    unknowns = (*there.unknowns, *own_unknowns(starts[0]))
+    evaluator: Evaluator,
+    shared: tuple[Unknown, ...],
+    slopes: FloatArray,
+    iterations: int,
+    starts: Sequence[Hypothesis],
+) -> Fit | None:
+    """The best fit from some starts of one suspect, with all unknowns at once; None where all diverge."""
+    unknowns = (*shared, *own_unknowns(starts[0]))
     fits = [found for start in starts if (found := _tried(evaluator, start, unknowns, iterations, slopes))]
-    best = min(fits, key=lambda found: found.cost, default=None)
-    return Sketch(there, best, starts[0].effects[-1]) if best else None
+    return min(fits, key=lambda found: found.cost, default=None)
 
 
 def _best_size(evaluator: Evaluator, model: Hypothesis, projection: Projection, sizes: Sequence[Effect]) -> Hypothesis:

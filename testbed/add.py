@@ -58,7 +58,7 @@ def add_effect(rig: Rig, entry: EffectEntry, records: Sequence[Record], *, seed:
         entry: kind, place and options of the effect, without its parameters.
         records: to fit to.
         seed: of the noise that is carried through the model.
-        jobs: threads.
+        jobs: cores.
 
     Raises:
         InputError: a kind or place that does not fit the rig.

@@ -123,7 +123,7 @@ def run_add(
         settings: its place and options.
         out: folder of the results.
         seed: of the noise that is carried through the model.
-        jobs: threads.
+        jobs: cores.
         command: as typed, for the history.
 
     Raises:

@@ -90,7 +90,7 @@ def compare(hypothesis: Hypothesis, records: Sequence[AnyRecord], *, seed: int =
         hypothesis: the model.
         records: of any kind.
         seed: of the noise that is carried through the model.
-        jobs: threads.
+        jobs: cores.
 
     Raises:
         InputError: a record that does not fit the rig.

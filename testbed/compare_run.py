@@ -20,7 +20,7 @@ def run_comparison(inputs: Inputs, out: Path, *, seed: int, jobs: int) -> Json:
         inputs: rig and records.
         out: folder of the results.
         seed: of the noise that is carried through the model.
-        jobs: threads.
+        jobs: cores.
 
     Returns:
         the content of ``compare.json``.

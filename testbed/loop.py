@@ -36,7 +36,7 @@ def diagnose_to_json(
         records: to learn from.
         holdout: kept aside, to judge the updated model on.
         seed: of every random choice.
-        jobs: threads.
+        jobs: cores.
 
     Raises:
         InputError: records that do not fit the rig.

@@ -51,7 +51,7 @@ def run_diagnosis(
         inputs: rig and records.
         out: folder of the results.
         seed: of every random choice.
-        jobs: threads.
+        jobs: cores.
         again: repeat a run that had finished.
         command: as typed, for the history and the report.
         progress: told what is being done.

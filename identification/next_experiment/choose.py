@@ -46,7 +46,7 @@ class Question:
         old: the records so far, on which the rivals were fitted; without them no separation is confirmed by a fit.
         misfit: residual over noise of the best of them, 1 at least.
         settings: resolution of the model.
-        jobs: threads.
+        jobs: cores.
         costs: minutes of what is done.
         limits: how far a test may go.
     """

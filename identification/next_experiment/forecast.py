@@ -120,7 +120,7 @@ def forecast(
         test: to be done.
         misfit: residual over noise that the best model leaves, 1 at least.
         settings: resolution of the model.
-        jobs: threads.
+        jobs: cores.
 
     Raises:
         ArithmeticError: a rival's motion leaves the finite numbers.

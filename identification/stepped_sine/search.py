@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from identification.acceptance import LATER_SHARE
 from identification.diagnose import MOST_EFFECTS
-from identification.evaluate import Evaluator, in_parallel
+from identification.evaluate import Evaluator
 from identification.evidence import (
     LEAST_EVIDENCE,
     Ranked,
@@ -19,6 +20,7 @@ from identification.evidence import (
 )
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, Unknown, effect_unknowns, own_unknowns
+from identification.parallel import in_parallel
 from identification.progress import Progress
 from identification.reached import LEAST_SHARE, NOISE_REACHED, takes_away
 from identification.scene import places_of
@@ -116,14 +118,11 @@ def addition(evaluator: Evaluator, base: Fit, registry: Registry, progress: Prog
     there = fit(soft, base.hypothesis, base.unknowns, max_iterations=ITERATIONS, tolerance=TOLERANCE)
     starts = _starts(soft, there, registry)
     progress(f"fitting {len(starts)} suspects beside {_in_words(base.hypothesis)}")
-
-    def sketch(start: Hypothesis) -> Fit | None:
-        return _tried(soft.with_jobs(1), start, (*base.unknowns, *own_unknowns(start)), SKETCH_TOLERANCE)
-
-    sketches = [row for row in in_parallel(evaluator.jobs, sketch, starts) if row is not None]
-    best_first = _best_of_each(with_evidence([Ranked.of(sketch) for sketch in sketches]))
+    found = in_parallel(evaluator.jobs, partial(_sketched, soft.with_jobs(1), base.unknowns), starts)
+    best_first = _best_of_each(with_evidence([Ranked.of(sketch) for sketch in found if sketch is not None]))
     progress(f"refitting the best of {len(best_first)} kinds and variants to the steady state")
-    finals = in_parallel(evaluator.jobs, lambda row: _to_the_end(soft, evaluator, row.fit), best_first)
+    ended = partial(_to_the_end, soft, evaluator)
+    finals = in_parallel(evaluator.jobs, ended, [row.fit for row in best_first])
     ranked = with_evidence([Ranked.of(found) for found in finals if found is not None])
     if not ranked:
         raise ArithmeticError("no effect of the library leaves a steady state")
@@ -159,6 +158,10 @@ def _without(evaluator: Evaluator, final: Fit, index: int) -> Fit | None:
 
 def _in_words(hypothesis: Hypothesis) -> str:
     return " and ".join(effect.label() for effect in hypothesis.effects) or "the linear model"
+
+
+def _sketched(evaluator: Evaluator, shared: tuple[Unknown, ...], start: Hypothesis) -> Fit | None:
+    return _tried(evaluator, start, (*shared, *own_unknowns(start)), SKETCH_TOLERANCE)
 
 
 def _tried(evaluator: Evaluator, start: Hypothesis, unknowns: Sequence[Unknown], tolerance: float) -> Fit | None:

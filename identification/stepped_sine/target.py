@@ -7,6 +7,7 @@ import numpy as np
 from identification.hypothesis import Hypothesis
 from identification.stepped_sine.balance import Balance
 from identification.stepped_sine.record import SteppedSine
+from identification.wire import sent_once
 from models.arrays import FloatArray
 from models.simulate import Settings
 
@@ -29,6 +30,7 @@ def scatter(record: SteppedSine) -> float:
     return float(np.median(size) / MEDIAN_OF_TWO)
 
 
+@sent_once
 @dataclass(frozen=True, eq=False)
 class SteppedTarget:
     """One stepped-sine test with the noise it is judged in.

@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 from scipy.stats import norm, qmc
 
-from identification.evaluate import in_parallel
+from identification.parallel import in_parallel
 from models.arrays import FloatArray
 from models.plant import build_plant
 from models.record import Record
@@ -92,7 +92,7 @@ def emulated(rig: Rig, record: Record, tip: str, jobs: int) -> Emulated:
         rig: with the means and the record's excitation.
         record: whose excitation drives it.
         tip: the sensor.
-        jobs: threads.
+        jobs: cores.
 
     Raises:
         DivergenceError: a rig's motion left the finite numbers.
@@ -130,17 +130,18 @@ def emulated(rig: Rig, record: Record, tip: str, jobs: int) -> Emulated:
 
 def _answers(rig: Rig, record: Record, tip: str, jobs: int, points: FloatArray) -> FloatArray:
     """(N,) rms of the tip."""
-    draws, row = draws_at(rig, points), record.sensors.index(tip)
+    draws = draws_at(rig, points)
+    rigs = [
+        rig.with_values(
+            {f"sleeves[{k}].{key}": float(getattr(draws, key)[number, k]) for key in CONDITIONS for k in range(2)}
+        )
+        for number in range(len(points))
+    ]
+    return np.array(in_parallel(jobs, partial(_rms, record, record.sensors.index(tip)), rigs))
 
-    def answer(number: int) -> float:
-        values = {
-            f"sleeves[{sleeve}].{key}": float(getattr(draws, key)[number, sleeve])
-            for key in CONDITIONS
-            for sleeve in range(2)
-        }
-        return float(np.std(simulate(build_plant(rig.with_values(values)), record).channels[row]))
 
-    return np.array(in_parallel(jobs, answer, range(len(points))))
+def _rms(record: Record, row: int, rig: Rig) -> float:
+    return float(np.std(simulate(build_plant(rig), record).channels[row]))
 
 
 def _problem() -> dict[str, object]:

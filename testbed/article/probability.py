@@ -57,7 +57,7 @@ def probability(
         taps: of the force test, which the posterior is made from.
         seen: the table test, which judges.
         out: folder of the results.
-        jobs: threads.
+        jobs: cores.
         progress: told what is being done.
         samples: of each condition.
 

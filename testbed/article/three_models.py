@@ -78,7 +78,7 @@ def three_models(
         found: what the diagnosis at another clearance added; None where it is to be made here.
         most_effects: that the diagnosis may add; the same in all sleeves counts once.
         folder: where the models of this clearance are kept.
-        jobs: threads.
+        jobs: cores.
         progress: told what is being done.
 
     Raises:

@@ -152,7 +152,7 @@ def study_bolted_beam(folder: Path, jobs: int, progress: Progress) -> BoltedBeam
 
     Args:
         folder: with the published files.
-        jobs: threads.
+        jobs: cores.
         progress: told what is being done.
 
     Raises:

@@ -30,7 +30,7 @@ def run_silverbox(folder: Path, out: Path, *, seed: int, jobs: int, command: Seq
         folder: with the published file.
         out: folder of the results.
         seed: of every random choice.
-        jobs: threads.
+        jobs: cores.
         command: as typed, for the page.
         progress: told what is being done.
 
@@ -77,7 +77,7 @@ def run_bolted_beam(folder: Path, out: Path, *, jobs: int, command: Sequence[str
     Args:
         folder: with the published files.
         out: folder of the results.
-        jobs: threads.
+        jobs: cores.
         command: as typed, for the page.
         progress: told what is being done.
 

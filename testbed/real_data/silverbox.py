@@ -99,7 +99,7 @@ def study_silverbox(folder: Path, seed: int, jobs: int, progress: Progress) -> S
     Args:
         folder: with the published file.
         seed: of every random choice.
-        jobs: threads.
+        jobs: cores.
         progress: told what is being done.
 
     Raises:

@@ -12,6 +12,7 @@ from models.arrays import FloatArray
 from models.excitations import random_phase_multisine
 from models.plant import Plant, build_plant
 from models.record import Record
+from models.rig import Rig
 from models.rig_file import read_rig
 
 HOUSE = Path(__file__).parents[2]
@@ -20,9 +21,14 @@ LOW, HIGH, RMS = 3.0, 250.0, 30.0
 SEED = 1
 
 
+def reference_rig() -> Rig:
+    """The reference rig as its file describes it."""
+    return read_rig(HOUSE / "tests" / "data" / "reference_rig.toml")
+
+
 def reference_plant(**sleeves: float) -> Plant:
     """The reference rig, 8 accelerometers, two sleeves, with other numbers of the sleeves if given."""
-    rig = read_rig(HOUSE / "tests" / "data" / "reference_rig.toml")
+    rig = reference_rig()
     changed = tuple(sleeve.model_copy(update=sleeves) for sleeve in rig.sleeves)
     return build_plant(rig.model_copy(update={"sleeves": changed}))
 
