@@ -111,8 +111,39 @@ def levels_json(levels: Levels) -> dict[str, Any]:
             }
             for estimate in levels.estimates
         ],
-        "findings": list(channels.findings),
+        "findings": [*channels.findings, *incoherent(levels)],
     }
+
+
+COHERENT = 0.8
+"""Mean coherence below which most of what an estimate says is not the force's doing."""
+
+
+UNREPEATED = (
+    "it comes of noise, another input or a nonlinearity, or the force is a sweep, which passes each line in one part "
+    "of the record alone, where the parts before still ring; a multisine that repeats has FRFs, and testbed compare "
+    "takes a sweep as it is"
+)
+
+
+def incoherent(levels: Levels) -> list[str]:
+    """In words, at which levels the responses follow the force on few lines, and what that may come of.
+
+    Args:
+        levels: finished.
+    """
+    channels = levels.channels
+    said = []
+    for estimate in levels.estimates:
+        coherence = float(estimate.coherence.mean())
+        if coherence >= COHERENT:
+            continue
+        cause = "it comes of noise: over whole periods nothing else differs" if estimate.period else UNREPEATED
+        said.append(
+            f"{channels.name}: mean coherence {coherence:.2f} at {estimate.level:.3g} {levels.excitation_unit} rms: "
+            f"these FRFs tell little; {cause}"
+        )
+    return said
 
 
 def _parts(values: ComplexArray) -> dict[str, FloatArray]:

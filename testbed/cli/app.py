@@ -108,7 +108,7 @@ def main(arguments: Sequence[str]) -> int:
 def _stopped(arguments: Sequence[str]) -> str:
     """What becomes of the work when somebody stops a command."""
     if any(tuple(arguments[: len(words)]) == words for words in RESUMING):
-        return "stopped; what was finished is kept, and the same command goes on from there"
+        return "stopped; whatever was finished is kept, and the same command goes on from there"
     return "stopped; nothing was written, a new start begins anew"
 
 

@@ -71,6 +71,6 @@ def frf(
     ]
     heads = (f"level, rms [{levels.excitation_unit}]", "averages", "lines", "from [Hz]", "to [Hz]", "mean coherence")
     print_table(heads, rows)
-    for finding in channels.findings:
+    for finding in content["findings"]:
         say(f"note: {finding}")
     say(f"written: {folder}/frf.json and figures")

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import LogNorm
+from matplotlib.ticker import MaxNLocator
 
 from models.arrays import FloatArray
 from testbed.figures.report_style import literal
@@ -54,6 +55,19 @@ def frequency_ticks(frequency: FloatArray) -> tuple[FloatArray, list[str]]:
     return places, [f"{value:g}" for value in rounds]
 
 
+def time_ticks(time: FloatArray) -> tuple[FloatArray, list[str]]:
+    """Where round times lie on an axis that counts windows; the windows' own centres where fewer than two do.
+
+    Args:
+        time: (n_windows,) centres, s, evenly apart; window i reaches from i to i + 1 on the axis.
+    """
+    rounds = np.asarray(MaxNLocator(TICKS).tick_values(time[0], time[-1]))
+    rounds = rounds[(rounds >= time[0]) & (rounds <= time[-1])]
+    if len(rounds) < FEWEST_TICKS:
+        rounds = time[:: max(1, len(time) - 1)]
+    return np.interp(rounds, time, np.arange(len(time)) + 0.5), [f"{t:.4g}" for t in rounds]
+
+
 def plot_time_map(ax: Axes, time: FloatArray, sensors: Sequence[str], error: FloatArray, norm: LogNorm) -> QuadMesh:
     """Error in each window of each sensor.
 
@@ -65,8 +79,8 @@ def plot_time_map(ax: Axes, time: FloatArray, sensors: Sequence[str], error: Flo
         norm: of the colours.
     """
     mesh = _mesh(ax, np.ma.masked_array(error), sensors, norm)
-    shown = np.unique(np.linspace(0, len(time) - 1, min(TICKS, len(time))).round().astype(int))
-    ax.set_xticks(shown + 0.5, [f"{time[i]:.1f}" for i in shown])
+    places, labels = time_ticks(time)
+    ax.set_xticks(places, labels)
     ax.set_xlabel("time [s]")
     return mesh
 

@@ -166,7 +166,7 @@ def test_without_a_command_the_help_lists_them_all(capsys):
 
 
 ANEW = "stopped; nothing was written, a new start begins anew"
-GOES_ON = "stopped; what was finished is kept, and the same command goes on from there"
+GOES_ON = "stopped; whatever was finished is kept, and the same command goes on from there"
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from testbed.channels import Channels
-from testbed.frf_record import levels_of
+from testbed.frf_record import COHERENT, incoherent, levels_json, levels_of
 
 FS, N = 512.0, 8192
 
@@ -30,3 +30,24 @@ def test_frfs_keep_to_the_band_that_was_excited(low, high):
     assert abs(estimate.frequency[-1] - high) <= 3.0
     assert estimate.coherence.shape == estimate.h1.shape == (1, estimate.frequency.size)
     assert np.abs(estimate.h1[0, 3:-3]) == pytest.approx(2.0, rel=0.02)
+
+
+def channels_of(force, noise, name="run"):
+    response = np.stack([2.0 * force + noise * force.std() * np.random.default_rng(3).standard_normal(N)])
+    return Channels(name, FS, force, "force", ("P1",), ("acceleration",), response, ())
+
+
+def test_nothing_is_said_of_responses_that_follow_the_force():
+    assert incoherent(levels_of(channels_of(banded(20.0, 100.0), 1e-3), 1.0)) == []
+
+
+@pytest.mark.parametrize("repeats", [True, False], ids=["over periods", "in parts"])
+def test_frfs_that_tell_little_are_told(repeats):
+    force = np.tile(banded(20.0, 100.0)[: N // 8], 8) if repeats else banded(20.0, 100.0)
+    levels = levels_of(channels_of(force, 6.0 if repeats else 2.0), 1.0)
+    coherence = levels.estimates[0].coherence.mean()
+    (said,) = levels_json(levels)["findings"]
+    assert coherence < COHERENT
+    assert said.startswith(f"run: mean coherence {coherence:.2f} at ")
+    assert ("over whole periods" in said) == repeats
+    assert ("testbed compare takes a sweep" in said) != repeats

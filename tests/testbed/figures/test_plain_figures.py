@@ -13,7 +13,7 @@ from testbed.figures.bars import plot_errors
 from testbed.figures.comparison import frf_figure
 from testbed.figures.frf import tells
 from testbed.figures.report_errors import plot_error_steps
-from testbed.figures.report_maps import frequency_ticks
+from testbed.figures.report_maps import frequency_ticks, time_ticks
 from testbed.figures.sweep import sweep_figure
 
 NAMES = ("P1", "P2", "P3")
@@ -100,3 +100,20 @@ def test_unstable_motion_is_told_once_without_a_colour_and_the_axis_says_what_it
     grey = ax.get_legend().get_lines()[-1].get_color()
     assert grey not in {line.get_color() for line in ax.lines[:4]}
     assert ax.get_ylabel() == "half the swing of P3 [m/s^2]"
+
+
+@pytest.mark.parametrize("n", [2, 5, 11, 28, 40])
+def test_the_times_of_a_map_are_round_and_evenly_apart(n):
+    width = 0.37
+    time = width * (np.arange(n) + 0.5)
+    places, labels = time_ticks(time)
+    read = np.array([float(label) for label in labels])
+    assert 2 <= len(labels) <= 8
+    assert np.diff(places) == pytest.approx(np.diff(places)[0])
+    # A label of four digits stands within their last half from where it says.
+    assert width * places == pytest.approx(read, abs=5e-4 * read.max())
+
+
+def test_a_map_of_one_window_tells_its_time():
+    places, labels = time_ticks(np.array([0.25]))
+    assert (places.tolist(), labels) == ([0.5], ["0.25"])
