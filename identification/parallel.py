@@ -36,9 +36,8 @@ def in_parallel(
         return [work(item) for item in asked]
     rest = _Rest[Item, Product](asked, PORTIONS * jobs if alike else len(asked))
     pool, of_all = _pool(jobs), Work(work)
-    shares = [pool.submit(_take_share, of_all, rest) for _ in range(min(jobs, len(asked)))]
     try:
-        for share in shares:
+        for share in [pool.submit(_take_share, of_all, rest) for _ in range(min(jobs, len(asked)))]:
             share.result()
     finally:
         rest.leave()

@@ -89,8 +89,10 @@ def test_cores_do_not_change_a_residual(companions, n):
 def test_an_interrupt_ends_it(tmp_path):
     script = tmp_path / "caller.py"
     script.write_text(
-        "import time\n"
+        "import signal, time\n"
         "from identification.parallel import in_parallel\n"
+        # Whoever runs the tests in the background may have had interrupts ignored, which is inherited.
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "print('begun', flush=True)\n"
         "in_parallel(2, time.sleep, [0.1] * 6000)\n"
     )
