@@ -30,19 +30,17 @@ class Shared:
 
     Args:
         numbering: whether this end gives numbers, and does not itself keep what it has numbered alive.
+
+    Attributes:
+        last: number that was given.
     """
 
     def __init__(self, *, numbering: bool) -> None:
         self.numbering = numbering
-        self._last = 0
+        self.last = 0
         self._numbers: dict[int, int] = {}
         self._objects: dict[int, Callable[[], Any]] = {}
         self._dropped: list[int] = []
-
-    @property
-    def last(self) -> int:
-        """The last number that was given."""
-        return self._last
 
     def number_of(self, obj: object) -> int | None:
         """The number of an object that both ends have."""
@@ -52,8 +50,8 @@ class Shared:
 
     def next_number(self, obj: object) -> int:
         """A number for an object that is about to be sent."""
-        self._last += 1
-        number, identity = self._last, id(obj)
+        self.last += 1
+        number, identity = self.last, id(obj)
         self._numbers[identity], self._objects[number] = number, ref(obj, lambda _: self._drop(number, identity))
         return number
 
@@ -77,7 +75,7 @@ class Shared:
 
     def take_back(self, before: int) -> None:
         """Drop the numbers given since that one: what was to carry them did not arrive."""
-        for number in range(before + 1, self._last + 1):
+        for number in range(before + 1, self.last + 1):
             if number in self._objects:
                 self._drop(number, id(self._objects[number]()))
 

@@ -118,7 +118,6 @@ def levels_json(levels: Levels) -> dict[str, Any]:
 COHERENT = 0.8
 """Mean coherence below which most of what an estimate says is not the force's doing."""
 
-
 UNREPEATED = (
     "it comes of noise, another input or a nonlinearity, or the force is a sweep, which passes each line in one part "
     "of the record alone, where the parts before still ring; a multisine that repeats has FRFs, and testbed compare "

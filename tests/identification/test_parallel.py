@@ -103,11 +103,13 @@ def test_an_interrupt_ends_it(tmp_path):
         stderr=subprocess.PIPE,
         text=True,
     )
-    caller.stdout.readline()
-    time.sleep(1.0)
-    caller.send_signal(signal.SIGINT)
-
-    _, told = caller.communicate(timeout=PATIENCE)
+    try:
+        caller.stdout.readline()
+        time.sleep(1.0)
+        caller.send_signal(signal.SIGINT)
+        _, told = caller.communicate(timeout=PATIENCE)
+    finally:
+        caller.kill()
 
     assert told.rstrip().endswith("KeyboardInterrupt")
 
