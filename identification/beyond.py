@@ -12,12 +12,13 @@ Econometrica 54 (1986) 657: a model that stands explains what its rivals find in
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import log
 
 import numpy as np
 
 from identification.acceptance import finite_first, fit_without, passing
+from identification.calibrate import concerning
 from identification.evaluate import Evaluator
 from identification.evidence import (
     LEAST_EVIDENCE,
@@ -29,13 +30,17 @@ from identification.evidence import (
     with_evidence,
 )
 from identification.exchange import fit_at
-from identification.fit import Fit
+from identification.fit import Fit, fit
 from identification.hypothesis import free_place
-from identification.in_its_place import judged_beside
+from identification.in_its_place import judged_beside, refit
+from identification.judge import LARGE
 from identification.kept_aside import KeptAside, holds_on, left_of
+from identification.look import View, afar, beside
 from identification.noise_left import NOISE_NEAR
 from identification.outcome import distinct
+from identification.prepare import cut_to
 from identification.reached import LEAST_SHARE, NOISE_DOUBTED, NOISE_REACHED
+from identification.rounds import SCREEN_SECONDS
 from identification.scene import scenes
 from identification.screen import Projection
 from identification.session import Session
@@ -142,13 +147,14 @@ def _end(session: Session, words: str) -> None:
     session.is_beyond = True
 
 
-def with_what_meets_the_noise(session: Session, base: Fit, ranked: list[Ranked]) -> list[Ranked]:
+def with_what_comes_nearer(session: Session, base: Fit, ranked: list[Ranked]) -> list[Ranked]:
     """The ranking, held against laws beyond the library where no kind of it reaches the noise by itself; told.
 
-    A general law has more ways down than any kind of the library. Where one reaches the noise, either a kind that had
-    been lost is found from its numbers of the rig, or what is missing is one law that the library does not hold
-    (``Session.is_beyond``), and no second effect is looked for beside an imitation of it. It begins where the best of
-    the round has come to, if that may act anywhere, and finds its own place from there.
+    A general law has more ways down than any kind of the library. Where one reaches the noise, or leaves next to
+    nothing of what the best of the library does, either a kind that had been lost is found from its numbers of the rig,
+    or what is missing is one law that the library does not hold (``Session.is_beyond``), and no second effect is looked
+    for beside an imitation of it. It is looked for along the whole beam; where none comes near, it begins where the
+    best of the round has come to, if that may act anywhere, and finds its own place from there.
 
     Args:
         session: with the records, told.
@@ -157,9 +163,11 @@ def with_what_meets_the_noise(session: Session, base: Fit, ranked: list[Ranked])
     """
     if base.hypothesis.effects or base.ratio <= NOISE_DOUBTED or not ranked or ranked[0].fit.ratio <= NOISE_REACHED:
         return ranked
-    if not (session.fitting.timed and ranked[0].refitted and free_place(ranked[0].effect)):
+    if not (session.fitting.timed and ranked[0].refitted):
         return ranked
-    rows = _rows_in_place(session, base, ranked[0].fit, 0, WORTH_A_FIT)
+    rows = _rows_anywhere(session, base, ranked[0])
+    if not rows and free_place(ranked[0].effect):
+        rows = _rows_in_place(session, base, ranked[0].fit, 0, WORTH_A_FIT)
     if not rows:
         return ranked
     ahead = _ahead(rows)
@@ -176,6 +184,43 @@ def with_what_meets_the_noise(session: Session, base: Fit, ranked: list[Ranked])
 LEAST_LEFT = 0.1
 """Share of the squared misfit beyond the noise, as the best of the library leaves it, up to which a general law that
 leaves it ends the search: a small second effect may be all that is left, of which a curve takes some."""
+
+
+def _rows_anywhere(session: Session, base: Fit, best: Ranked) -> list[Ranked]:
+    """By evidence, the general law that explains most from anywhere along the beam, and the library in its place.
+
+    The best of the library may stand in a valley from which the place of the true law is not seen. A general law is
+    looked for as kinds of the library are, on the beginning of the records.
+
+    Args:
+        session: with the records.
+        base: the model without effects.
+        best: of the library.
+
+    Returns:
+        the rows; empty where no general law leaves next to nothing of what the best of the library does.
+    """
+    if not session.has_time_for("a look along the beam at laws beyond the library"):
+        return []
+    session.progress("looking along the whole beam for laws beyond the library")
+    fitting, evaluator = session.fitting, cut_to(session.searching(base), SCREEN_SECONDS, session.limits, 2)
+    there = fit(evaluator, base.hypothesis, concerning(base, evaluator), max_iterations=1)
+    look = afar if base.ratio > LARGE else beside
+    try:
+        sketches = look(View(evaluator, there, GENERAL_LAWS), base, session.progress)
+        if not sketches:
+            return []
+        session.progress(f"refitting {sketches[0].effect.label()} with all numbers on {fitting.extent}")
+        first = sketches[0].fit.hypothesis
+        begun = replace(base.hypothesis, values=first.values, motions=first.motions, effects=first.effects[-1:])
+        law = refit(fitting, base, begun)
+        if law is None or _beyond_noise(law) > LEAST_LEFT * _beyond_noise(best.fit):
+            return []
+        library = session.kinds_at_a_place(base.hypothesis.rig)
+        rows = judged_beside(law, fitting, base, [best.effect], library, session.progress)
+    except ArithmeticError:  # without an effect nothing stands
+        return []
+    return with_evidence([*(row for row in rows if row.refitted), best])
 
 
 def _beyond_noise(found: Fit) -> float:

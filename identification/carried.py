@@ -50,8 +50,7 @@ def carried_by_calibrated(session: Session, base: Fit) -> Fit:
     again = base if reaches_noise(session.fitting, base) else _excused(session, base, carried)
     if again is not base:
         return again
-    pairs = zip(session.everything.targets, carried, strict=True)
-    session.everything = session.everything.with_targets([min(pair, key=lambda t: t.nrmse_of_noise) for pair in pairs])
+    session.everything = session.quieter(carried)
     quieter = session.parts_of(session.everything)
     if quieter.nrmse_of_noise * CLEARLY_LOUDER > session.fitting.nrmse_of_noise:
         return base

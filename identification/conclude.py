@@ -115,6 +115,8 @@ def concluded(
         stages = [*before, session.stage(label, polished.hypothesis)]
     if session.relearnt:
         stages = [session.stage(stage.label, stage.hypothesis) for stage in stages]
+    if verdict == "missing_effect":
+        stages = [*stages[:-1], session.on_its_noise(stages[-1])]
     calibrated = next(stage for stage in reversed(stages) if stage.label == "calibrated")
     rounds = [distinct(ranked) for ranked in rounds]
     standing_effects = len(final.hypothesis.effects)

@@ -25,7 +25,7 @@ from identification.alone import one_alone
 from identification.anew import looked_for_anew
 from identification.another_first import another_first
 from identification.assess import with_starts
-from identification.beyond import is_beyond_library, is_beyond_where_missed, law_beyond, with_what_meets_the_noise
+from identification.beyond import is_beyond_library, is_beyond_where_missed, law_beyond, with_what_comes_nearer
 from identification.calibrate import calibrate, strained, unknowns_of
 from identification.carried import carried_by_best, carried_by_calibrated, excused
 from identification.conclude import concluded, one_set_of_numbers, settled
@@ -177,7 +177,7 @@ def _searched(
         chain, rounds, ranked = _with_another_first(session, chain, rounds, ranked, stages)
         rounds.append(told_apart(session, ranked))
         chain, rounds = reweigh(session, chain, rounds)
-        rounds[-1] = with_what_meets_the_noise(session, chain[-1], rounds[-1])
+        rounds[-1] = with_what_comes_nearer(session, chain[-1], rounds[-1])
         chosen = None if session.is_beyond else accepted(session, chain[-1], rounds[-1])
         if chosen is None:
             break

@@ -108,6 +108,7 @@ def diagnosed(case: Case, threads: int) -> Json:
             "noise_nrmse_as_estimated": errors["noise_nrmse"],
         },
         "diagnosis": content,
+        "decisions": list(found.decisions),
     }
 
 

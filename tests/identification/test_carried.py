@@ -69,6 +69,25 @@ def test_what_has_not_explained_the_rest_excuses_nothing(heard):
     assert session.decisions == []
 
 
+DULL = GIVEN.with_effects(ModalDamping(Place(), ratio=5.0))
+
+
+@pytest.mark.parametrize(("given", "true", "lower"), [(RINGING, DULL, True), (DULL, DULL, False)])
+def test_the_floor_of_the_model_that_was_found_holds_the_noise_as_it_carries_it(given, true, lower):
+    """A rig that is damped more than its file says moves less at a noisy force."""
+    evaluator = evaluator_of(measured(true, multisine(8192, rms=4.0), force_noise=0.05), rig=GIVEN.rig)
+    evaluator = evaluator.with_targets(carry_noise(evaluator, given, np.random.default_rng(0)))
+    session = session_of(evaluator)
+    stage = session.stage("+ modal_damping", true)
+
+    now = session.on_its_noise(stage)
+
+    assert (now is not stage) == lower
+    assert now.score.nrmse == stage.score.nrmse
+    assert now.score.noise_nrmse == pytest.approx(now.score.nrmse, rel=0.15)
+    assert bool(session.decisions) == lower
+
+
 LOOSE = Hypothesis(REFERENCE.model_copy(update={"sleeves": (), "tolerances": {"rayleigh_damping": 0.8}}))
 """A rig of which the owner hardly knows the damping."""
 
