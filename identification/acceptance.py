@@ -34,7 +34,6 @@ from identification.reached import (
     missed,
     reaches_noise,
     takes_away,
-    takes_away_of_all,
 )
 from identification.result import Verdict
 from identification.scatter import is_needed_throughout
@@ -375,10 +374,10 @@ def refuted(
     """Whether a model that comes near the noise or reaches it is no diagnosis by what was kept aside.
 
     One that reaches the noise where it was fitted is refuted if no numbers of it explain the records kept aside as
-    well, and nothing else in its place is left in question. One that only comes near, or only in the part of the
-    records that was searched, is by predicting them badly. Far from the noise even there, as on real structures, all
-    models miss, and the best predicts badly too. So may the right one where next to nothing is left of a large misfit:
-    what two ways to compute the same rig differ by is above the noise of a quiet sensor.
+    well, and nothing else in its place is left in question. One that only comes near is by predicting them badly. Far
+    from the noise, as on real structures, all models miss, and the best predicts badly too. So may the right one where
+    next to nothing is left of a large misfit: what two ways to compute the same rig differ by is above the noise of a
+    quiet sensor.
 
     Args:
         session: told.
@@ -388,12 +387,12 @@ def refuted(
         kept: what it is worth on records kept aside, with other numbers too (``other_numbers``).
         rounds: effects ranked in each round, those of the model first.
     """
-    if kept.holds or min(final.ratio, last.ratio) > NOISE_NEAR:
+    if kept.holds or last.ratio > NOISE_NEAR:
         return False
     nearest = f"{' and '.join(effect.label() for effect in last.hypothesis.effects)} comes nearest"
     names = " and ".join(kept.missed)
     if last.ratio > NOISE_REACHED:
-        if min(takes_away(calibrated, final), takes_away_of_all(calibrated, last)) >= BEYOND_DOUBT:
+        if takes_away(calibrated, final) >= BEYOND_DOUBT:
             return False
         why = f"but leaves {last.ratio:.2f} times the noise where fitted, and what was learnt does not hold on {names}"
     elif kept.explained is not False:

@@ -5,7 +5,8 @@ spring whose force relaxes is nearly a hysteresis, or an absorber of an odd mass
 anywhere along the beam is held against laws that hold many others within them, at the same place, with all other
 numbers free: a force over speed, over displacement, with a memory (``models.general_laws``). Where one of them wins as
 clearly as an effect has to, over every kind of the library that shows there too, the law is none of the library's.
-First a linear step tells whether any of them could. All act against the base, on a driven one too.
+First a linear step tells whether any of them could. Where no kind reaches the noise at first, they are looked for along
+the whole beam, as kinds are. All act against the base, on a driven one too.
 
 Source: the score test, C. R. Rao, Proc. Camb. Phil. Soc. 44 (1948) 50; encompassing, G. E. Mizon, J.-F. Richard,
 Econometrica 54 (1986) 657: a model that stands explains what its rivals find in the same data.
@@ -18,7 +19,7 @@ from math import log
 import numpy as np
 
 from identification.acceptance import finite_first, fit_without, passing
-from identification.calibrate import concerning
+from identification.established import OF_A_SUPPORT
 from identification.evaluate import Evaluator
 from identification.evidence import (
     LEAST_EVIDENCE,
@@ -30,23 +31,24 @@ from identification.evidence import (
     with_evidence,
 )
 from identification.exchange import fit_at
-from identification.fit import Fit, fit
-from identification.hypothesis import free_place
-from identification.in_its_place import judged_beside, refit
+from identification.fit import Fit
+from identification.hypothesis import Hypothesis, free_place
+from identification.in_its_place import has_fewer, judged_beside, refit, seen_at, without_last
+from identification.in_step import tried_with
 from identification.judge import LARGE
 from identification.kept_aside import KeptAside, holds_on, left_of
-from identification.look import View, afar, beside
+from identification.look import afar, beside
 from identification.noise_left import NOISE_NEAR
 from identification.outcome import distinct
-from identification.prepare import cut_to
-from identification.reached import LEAST_SHARE, NOISE_DOUBTED, NOISE_REACHED
-from identification.rounds import SCREEN_SECONDS
+from identification.reached import EXPLAINED_FAR, LEAST_SHARE, NOISE_DOUBTED, NOISE_REACHED, takes_away
+from identification.rounds import SCREEN_SECONDS, view_of
 from identification.scene import scenes
 from identification.screen import Projection
 from identification.session import Session
 from models.effects.protocol import Effect, Place
 from models.general_laws import GENERAL_LAWS
 from models.record import AnyRecord
+from models.rig import Beam
 
 WORTH_A_FIT = 6.0
 """Logarithm of the odds that a linear step has to promise a general law beside an effect, for a fit in its place."""
@@ -84,7 +86,7 @@ class Beyond:
         names, law = " with ".join(effect.label() for effect in self.replaced), self.row.effect
         one = "" if len(self.replaced) == 1 else " by itself"
         return (
-            f"unexplained after all: {names} comes nearest, but in its place {law.label()}{one} leaves "
+            f"unexplained after all: {names} comes nearest, but {law.label()}{one} leaves "
             f"{self.row.fit.ratio:.3g} times the noise instead of {self.stood.ratio:.3g}: {law.in_words()}, and no "
             "kind of the library does that"
         )
@@ -150,11 +152,11 @@ def _end(session: Session, words: str) -> None:
 def with_what_comes_nearer(session: Session, base: Fit, ranked: list[Ranked]) -> list[Ranked]:
     """The ranking, held against laws beyond the library where no kind of it reaches the noise by itself; told.
 
-    A general law has more ways down than any kind of the library. Where one reaches the noise, or leaves next to
-    nothing of what the best of the library does, either a kind that had been lost is found from its numbers of the rig,
-    or what is missing is one law that the library does not hold (``Session.is_beyond``), and no second effect is looked
-    for beside an imitation of it. It is looked for along the whole beam; where none comes near, it begins where the
-    best of the round has come to, if that may act anywhere, and finds its own place from there.
+    A general law has more ways down than any kind of the library. Where one reaches the noise, or explains as much as a
+    diagnosis has to, either a kind that had been lost is found from its numbers of the rig, or what is missing is one
+    law that the library does not hold (``Session.is_beyond``), and no second effect is looked for beside an imitation
+    of it. It is looked for along a whole beam; where none is told so, it begins where the best of the round has come
+    to, if that may act anywhere, finds its own place from there, and has to reach the noise.
 
     Args:
         session: with the records, told.
@@ -171,17 +173,18 @@ def with_what_comes_nearer(session: Session, base: Fit, ranked: list[Ranked]) ->
     if not rows:
         return ranked
     ahead = _ahead(rows)
-    if ahead is None:
-        found = distinct(ranked_together([row for row in rows if not _is_general(row)], ranked))
-        return finite_first(session, found)
-    left = _beyond_noise(ahead.row.fit) / max(_beyond_noise(ranked[0].fit), 1.0)
-    clear = ahead.by >= LEAST_EVIDENCE and left <= LEAST_LEFT
-    if clear and session.holds(ahead.row.fit.hypothesis) and passing(session, base, ahead.row) is None:
-        _end(session, ahead.in_words)
-    return ranked
+    if ahead is not None:
+        nearest = min(_beyond_noise(ahead.stood), _beyond_noise(ranked[0].fit))
+        clear = ahead.by >= LEAST_EVIDENCE and _beyond_noise(ahead.row.fit) <= MOST_LEFT * max(nearest, 1.0)
+        lasts = clear and session.holds(ahead.row.fit.hypothesis) and passing(session, base, ahead.row) is None
+        if lasts and not _is_of_a_support(session, base, ahead.row.fit):
+            _end(session, ahead.in_words)
+            return ranked
+    found = distinct(ranked_together([row for row in rows if not _is_general(row)], ranked))
+    return finite_first(session, found)
 
 
-LEAST_LEFT = 0.1
+MOST_LEFT = 0.1
 """Share of the squared misfit beyond the noise, as the best of the library leaves it, up to which a general law that
 leaves it ends the search: a small second effect may be all that is left, of which a curve takes some."""
 
@@ -189,8 +192,8 @@ leaves it ends the search: a small second effect may be all that is left, of whi
 def _rows_anywhere(session: Session, base: Fit, best: Ranked) -> list[Ranked]:
     """By evidence, the general law that explains most from anywhere along the beam, and the library in its place.
 
-    The best of the library may stand in a valley from which the place of the true law is not seen. A general law is
-    looked for as kinds of the library are, on the beginning of the records.
+    The best of the library may stand in a valley from which the place of the true law is not seen. Where records are
+    begun again in pieces, their beginnings, in which it is looked for, were seen before.
 
     Args:
         session: with the records.
@@ -198,29 +201,64 @@ def _rows_anywhere(session: Session, base: Fit, best: Ranked) -> list[Ranked]:
         best: of the library.
 
     Returns:
-        the rows; empty where no general law leaves next to nothing of what the best of the library does.
+        the rows; empty on an oscillator, which has one place, and where no general law leaves next to nothing of what
+        the best of the library does.
     """
+    rig, fitting = base.hypothesis.rig, session.fitting
+    if session.pieces or not isinstance(rig.structure, Beam):
+        return []
     if not session.has_time_for("a look along the beam at laws beyond the library"):
         return []
     session.progress("looking along the whole beam for laws beyond the library")
-    fitting, evaluator = session.fitting, cut_to(session.searching(base), SCREEN_SECONDS, session.limits, 2)
-    there = fit(evaluator, base.hypothesis, concerning(base, evaluator), max_iterations=1)
     look = afar if base.ratio > LARGE else beside
     try:
-        sketches = look(View(evaluator, there, GENERAL_LAWS), base, session.progress)
-        if not sketches:
+        view = view_of(session.searching(base), session.limits, base, GENERAL_LAWS, SCREEN_SECONDS, 2)
+        sketches = look(view, base, session.progress)
+        law = _refitted(fitting, base, sketches[0].fit.hypothesis) if sketches else None
+        if law is None or not _explains(base, law) or _beyond_noise(law) > MOST_LEFT * _beyond_noise(best.fit):
             return []
-        session.progress(f"refitting {sketches[0].effect.label()} with all numbers on {fitting.extent}")
-        first = sketches[0].fit.hypothesis
-        begun = replace(base.hypothesis, values=first.values, motions=first.motions, effects=first.effects[-1:])
-        law = refit(fitting, base, begun)
-        if law is None or _beyond_noise(law) > LEAST_LEFT * _beyond_noise(best.fit):
-            return []
-        library = session.kinds_at_a_place(base.hypothesis.rig)
-        rows = judged_beside(law, fitting, base, [best.effect], library, session.progress)
-    except ArithmeticError:  # without an effect nothing stands
+        label = law.hypothesis.effects[-1].label()
+        session.progress(f"{label} leaves {law.ratio:.2f} times the noise; kinds of the library are tried there")
+        rows = judged_beside(law, fitting, base, (), session.kinds_at_a_place(rig), session.progress)
+        return with_evidence([*(row for row in rows if row.refitted), best])
+    except ArithmeticError as lost:
+        session.progress(f"laws beyond the library were not looked for: {lost}")
         return []
-    return with_evidence([*(row for row in rows if row.refitted), best])
+
+
+def _refitted(fitting: Evaluator, base: Fit, begun: Hypothesis) -> Fit | None:
+    """A law fitted to all beside the numbers that a look at the beginning has found with it."""
+    effects = begun.effects[-1:]
+    return refit(fitting, base, replace(base.hypothesis, values=begun.values, motions=begun.motions, effects=effects))
+
+
+def _explains(base: Fit, law: Fit) -> bool:
+    """Whether a law reaches the noise, or takes away as much as an effect far from it has to."""
+    return law.ratio <= NOISE_REACHED or takes_away(base, law) >= EXPLAINED_FAR
+
+
+def _is_of_a_support(session: Session, base: Fit, law: Fit) -> bool:
+    """Whether two simple kinds in a general law's place leave so little that it may stand for both.
+
+    A friction and a dashpot, or a spring and a dashpot, are what a support is made of: one curve holds both.
+
+    Args:
+        session: with the records.
+        base: the model without effects.
+        law: the general one.
+    """
+    place, kinds = law.hypothesis.effects[-1].place, session.kinds_at_a_place(base.hypothesis.rig)
+    pair, begun, numbers = base, without_last(law.hypothesis), 0
+    while numbers < OF_A_SUPPORT:
+        most = min(OF_A_SUPPORT - 1, OF_A_SUPPORT - numbers)
+        simple = {name: kind for name, kind in kinds.items() if has_fewer(kind, most + 1)}
+        seen = seen_at(place.position, session.fitting, pair, begun, simple)
+        found = refit(session.fitting, pair, tried_with(session.fitting, begun, seen[0].effect)) if seen else None
+        if found is None:
+            return False
+        pair, begun = found, found.hypothesis
+        numbers += found.hypothesis.effects[-1].n_numbers
+    return _beyond_noise(law) > MOST_LEFT * max(_beyond_noise(pair), 1.0)
 
 
 def _beyond_noise(found: Fit) -> float:

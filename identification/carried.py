@@ -1,16 +1,19 @@
 """The noise of the measured excitation as the model carries it that explains the records, instead of the given one."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import inf, sqrt
 
 import numpy as np
 
+from identification.assess import score
 from identification.evaluate import Evaluator, Target, carry_noise
 from identification.evidence import Ranked
 from identification.fit import Fit, fit
 from identification.noise_left import NOISE_NEAR
-from identification.reached import EXPLAINED_NEAR, NOISE_REACHED, is_faint, reaches_noise, takes_away
+from identification.reached import ERROR_REACHED, EXPLAINED_NEAR, NOISE_REACHED, is_faint, reaches_noise, takes_away
 from identification.relearning import everything_again
+from identification.result import Stage
 from identification.session import CLEARLY_LOUDER, Session
 
 
@@ -60,6 +63,33 @@ def carried_by_calibrated(session: Session, base: Fit) -> Fit:
     )
     session.fitting = quieter
     return fit(quieter, base.hypothesis, base.unknowns, precise=True)
+
+
+def on_its_noise(session: Session, stage: Stage) -> Stage:
+    """The stage of the model that was found, held against the force's noise as that carries it; told.
+
+    What lacks an effect may tremble at a noise that leaves the rig cold. Fits and evidence rest on that noise all the
+    same, so the floor is lowered only where the model reaches the lower one as well.
+
+    Args:
+        session: with the records.
+        stage: of that model.
+    """
+    floor = stage.score.noise_nrmse
+    if stage.score.nrmse * CLEARLY_LOUDER >= floor:
+        return stage
+    try:
+        quieter = session.quieter(session.carried_by(stage.hypothesis).targets)
+    except ArithmeticError:  # a little other force, and it runs away
+        return stage
+    now = replace(stage, score=score(quieter, stage.hypothesis))
+    if now.score.noise_nrmse * CLEARLY_LOUDER >= floor or now.score.nrmse > ERROR_REACHED * now.score.noise_nrmse:
+        return stage
+    session.decide(
+        f"the force's noise, as the updated model carries it, leaves {now.score.noise_nrmse:.2%} instead of "
+        f"{floor:.2%}: that is its floor"
+    )
+    return now
 
 
 def excused(session: Session, found: Fit) -> Fit:

@@ -5,6 +5,7 @@ from time import perf_counter
 
 import numpy as np
 
+from identification.carried import on_its_noise
 from identification.consistency.find import beyond_models, calibration_findings
 from identification.consistency.finding import CalibrationFinding
 from identification.evaluate import Evaluator
@@ -115,8 +116,6 @@ def concluded(
         stages = [*before, session.stage(label, polished.hypothesis)]
     if session.relearnt:
         stages = [session.stage(stage.label, stage.hypothesis) for stage in stages]
-    if verdict == "missing_effect":
-        stages = [*stages[:-1], session.on_its_noise(stages[-1])]
     calibrated = next(stage for stage in reversed(stages) if stage.label == "calibrated")
     rounds = [distinct(ranked) for ranked in rounds]
     standing_effects = len(final.hypothesis.effects)
@@ -134,6 +133,8 @@ def concluded(
     forces = forces_of(beside)
     updated_maps = tuple(error_map(record) for record in stages[-1].score.records)
     among = tried(stages[-1].score, holds=kept.holds)
+    if verdict == "missing_effect":
+        stages = [*stages[:-1], on_its_noise(session, stages[-1])]
     located = _located(session, heard, calibrated.hypothesis, beside)
     proposal = next_experiment(
         session,

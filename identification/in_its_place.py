@@ -130,24 +130,27 @@ def _simpler_rows(fitting: Evaluator, base: Fit, ranked: Sequence[Ranked], regis
     if not ranked:
         return []
     leader = ranked[0].effect
-    sort = "position" if leader.place.sleeve is None else "sleeve"
-    fewer = {name: kind for name, kind in registry.items() if sort in kind.places and _is_simpler(kind, leader)}
+    sort, most = "position" if leader.place.sleeve is None else "sleeve", _n_numbers(leader)
+    fewer = {name: kind for name, kind in registry.items() if sort in kind.places and has_fewer(kind, most)}
     seen = _seen_there(ranked[0].fit, fitting, base, fewer) if fewer else []
     there = [replace(effect, place=leader.place) for effect in seen]
     return begun_at_leader(fitting, base, ranked, [*there, *_of_the_whole_beam(fitting, base, ranked[0], registry)])
 
 
-def _is_simpler(kind: type[Effect], leader: Effect, place: int = 0) -> bool:
-    """Whether a kind that acts by itself has fewer numbers for a fit; a law in time has as many as its table.
+def has_fewer(kind: type[Effect], numbers: int) -> bool:
+    """Whether a kind that acts by itself has fewer numbers for a fit.
 
     Args:
         kind: of law.
-        leader: the other one.
-        place: numbers that its place is.
+        numbers: of another.
     """
     alone = kind.part_kind() == kind.kind
-    most = len(leader.fitted_values()) if leader.family == "time" else leader.n_numbers
-    return alone and sum(about.fitted for about in kind.parameters().values()) < most + place
+    return alone and sum(about.fitted for about in kind.parameters().values()) < numbers
+
+
+def _n_numbers(effect: Effect) -> int:
+    """Numbers of an effect for a fit; a law in time has as many as its table."""
+    return len(effect.fitted_values()) if effect.family == "time" else effect.n_numbers
 
 
 def _of_the_whole_beam(fitting: Evaluator, base: Fit, first: Ranked, registry: Registry) -> list[Effect]:
@@ -155,7 +158,8 @@ def _of_the_whole_beam(fitting: Evaluator, base: Fit, first: Ranked, registry: R
     if not free_place(first.effect):
         return []
     whole = {name: kind for name, kind in registry.items() if kind.family == "structure" and not kind.places}
-    fewer = {name: kind for name, kind in whole.items() if _is_simpler(kind, first.effect, place=1)}
+    most = _n_numbers(first.effect) + 1  # with its place
+    fewer = {name: kind for name, kind in whole.items() if has_fewer(kind, most)}
     seen = seen_at(None, fitting, base, without_last(first.fit.hypothesis), fewer) if fewer else []
     return [suspect.effect for suspect in seen[:MOST_SEEN]]
 

@@ -88,16 +88,6 @@ def takes_away(base: Fit, found: Fit) -> float:
     return (base.cost - found.cost) / max(base.cost - base.n_data, 1.0)
 
 
-def takes_away_of_all(base: Fit, found: Fit) -> float:
-    """The same of a model that was fitted to more of the records, by what either leaves of its own, over the noise.
-
-    Args:
-        base: on the records that were searched.
-        found: on all.
-    """
-    return 1.0 - max(found.ratio**2 - 1.0, 0.0) / max(base.ratio**2 - 1.0, np.finfo(float).tiny)
-
-
 def tells_much(base: Fit, found: Fit) -> bool:
     """Whether a model described in more detail is worth it: it reaches the noise, or takes away much of what was left.
 

@@ -42,7 +42,7 @@ def look_round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
     kinds, instant = session.kinds_on(base.hypothesis.rig), session.kinds_on(base.hypothesis.rig, but=("time",))
     lasting = {name: kind for name, kind in kinds.items() if name not in instant and session.everything.timed}
     searching = session.searching(base)
-    first = _view(searching, session.limits, base, instant, SCREEN_SECONDS, 2)
+    first = view_of(searching, session.limits, base, instant, SCREEN_SECONDS, 2)
     suspected = suspicion(first.evaluator, first.there)
     ranked: list[Ranked] = []
     if suspected:
@@ -55,7 +55,7 @@ def look_round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
         views = [_in_pieces(session, searching, base, first) or _where_it_shows(session, searching, base, first)]
         if lasting:
             followed = followed_long(searching, TIME_SECONDS, session.limits)
-            views.append(_view(*followed, base, lasting, TIME_SECONDS, 1))
+            views.append(view_of(*followed, base, lasting, TIME_SECONDS, 1))
         ranked = judge(
             views,
             session.fitting,
@@ -66,10 +66,19 @@ def look_round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
     return (ranked, _recalibrated(session, base, ranked[0].fit)) if ranked else ([], None)
 
 
-def _view(
+def view_of(
     searching: Evaluator, limits: Sequence[Horizon], base: Fit, kinds: Registry, seconds: float, most: int
 ) -> View:
-    """So many seconds of the loudest records, the quietest and those between, and the calibrated model there."""
+    """So many seconds of the loudest records, the quietest and those between, and the calibrated model there.
+
+    Args:
+        searching: all records.
+        limits: how far each can be predicted.
+        base: the calibrated model.
+        kinds: to look for.
+        seconds: in all.
+        most: of the records at most.
+    """
     evaluator = cut_to(searching, seconds, limits, most)
     return View(evaluator, _there(evaluator, base.hypothesis, base), kinds)
 

@@ -108,27 +108,6 @@ class Session:
         self.progress(f"{label}: error {stage.score.nrmse:.3%}, noise floor {stage.score.noise_nrmse:.3%}")
         return stage
 
-    def on_its_noise(self, stage: Stage) -> Stage:
-        """A stage that errs by less than its floor, above the excitation's noise as its own model carries it; told.
-
-        What lacks an effect may tremble at a noise that leaves the rig cold, and such a floor stands too high.
-
-        Args:
-            stage: of the model that was found; returned as it is where its floor is no lower by its own noise.
-        """
-        floor = stage.score.noise_nrmse
-        if stage.score.nrmse * CLEARLY_LOUDER >= floor:
-            return stage
-        quieter = self.quieter(self.carried_by(stage.hypothesis).targets)
-        if quieter.nrmse_of_noise * CLEARLY_LOUDER >= self.everything.nrmse_of_noise:
-            return stage
-        now = replace(stage, score=score(quieter, stage.hypothesis))
-        self.decide(
-            f"the force's noise, as the updated model carries it, leaves {now.score.noise_nrmse:.2%} instead of "
-            f"{floor:.2%}: that is its floor"
-        )
-        return now
-
     def holds(self, hypothesis: Hypothesis) -> bool:
         """Whether a model's motion stays finite through whole records; what was fitted is a part of them.
 

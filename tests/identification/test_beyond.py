@@ -6,7 +6,7 @@ from math import exp, tanh
 from typing import ClassVar
 
 import pytest
-from trial_records import REFERENCE, beam_session, found_with, measured, multisine
+from trial_records import REFERENCE, beam_session, evaluator_of, found_with, measured, multisine, oscillator
 
 from identification.beyond import (
     LEAST_WHERE_MISSED,
@@ -18,12 +18,14 @@ from identification.beyond import (
     with_what_comes_nearer,
 )
 from identification.evidence import LEAST_EVIDENCE, Ranked, misfit_of, with_evidence
-from identification.hypothesis import EffectUnknown, Hypothesis
+from identification.fit import fit
+from identification.hypothesis import EffectUnknown, Hypothesis, effect_unknowns, rig_unknowns
 from identification.kept_aside import KeptAside, kept_aside
 from identification.reached import NOISE_REACHED
 from identification.scene import scenes
+from identification.session import Session
 from identification.unseen import Unseen
-from models.effects import Place
+from models.effects import EFFECTS, Place
 from models.effects.absorber import Absorber
 from models.effects.bouc_wen import BoucWen
 from models.effects.coulomb_friction import CoulombFriction
@@ -191,9 +193,43 @@ def test_a_law_far_from_where_the_library_imitates_it_ends_the_search_above_the_
 
     assert session.is_beyond
     (told,) = session.decisions
-    law, left = re.search(r"in its place (.*) at 0\.86\d m leaves ([\d.]+) times the noise", told).groups()
+    law, left = re.search(r"nearest, but (.*) at 0\.86\d m leaves ([\d.]+) times the noise", told).groups()
     assert law == "resistance over speed"
     assert float(left) > NOISE_REACHED
+
+
+def test_a_kind_that_stood_at_another_place_is_found_where_a_general_law_is_seen():
+    session = beam_session(FRICTION)
+    stuck = Hypothesis(REFERENCE, effects=(replace(FRICTION, place=Place(position=0.3)),))
+    unknowns = (*rig_unknowns(REFERENCE), *effect_unknowns(stuck, places=False))
+    ranked = [Ranked.of(fit(session.fitting, stuck, unknowns, precise=True))]
+
+    first, *_ = with_what_comes_nearer(session, found_with(session), ranked)
+
+    assert not session.is_beyond
+    assert first.effect.kind == "coulomb_friction"
+    assert first.effect.place.position == pytest.approx(0.86, abs=0.01)
+
+
+def test_a_friction_and_a_dashpot_at_one_support_are_not_one_law():
+    session = beam_session(FRICTION, DASHPOT, rms=4.0)
+    ranked = round_of(session, replace(SPRING, place=Place(position=0.4)))
+
+    with_what_comes_nearer(session, found_with(session), ranked)
+
+    assert not session.is_beyond
+
+
+def test_no_law_is_looked_for_along_an_oscillator():
+    rig = oscillator("displacement")
+    hidden = FallingFriction(Place(), force=5.0, speed=0.02)
+    evaluator = evaluator_of(measured(Hypothesis(rig, effects=(hidden,)), multisine(2048)), rig=rig)
+    session = Session(evaluator, evaluator, [], EFFECTS, lambda _: None, 0)
+    base, stiffer = Hypothesis(rig), Hypothesis(rig, effects=(PointDamping(Place(), damping=1.0),))
+    ranked = [Ranked.of(fit(evaluator, stiffer, effect_unknowns(stiffer)))]
+    assert ranked[0].fit.ratio > NOISE_REACHED
+
+    assert with_what_comes_nearer(session, fit(evaluator, base, ()), ranked) is ranked
 
 
 def test_a_law_that_is_an_event_in_what_was_fitted_does_not_end_the_search(monkeypatch):
@@ -201,8 +237,9 @@ def test_a_law_that_is_an_event_in_what_was_fitted_does_not_end_the_search(monke
     ranked = round_of(session, SPRING)
     monkeypatch.setattr("identification.acceptance.left_unseen", lambda *_: Unseen(1.0, 1.0, 1.0))
 
-    assert with_what_comes_nearer(session, found_with(session), ranked) == ranked
+    rows = with_what_comes_nearer(session, found_with(session), ranked)
 
+    assert {row.effect.kind for row in rows} <= EFFECTS.keys()
     assert not session.is_beyond
     assert not session.is_passing
     assert not session.decisions
@@ -213,7 +250,11 @@ def test_a_law_beside_which_a_small_second_effect_may_be_left_does_not_end_the_s
         Lag.with_values(scene_there(), (0.02, 0.0, -0.04), 3e-3), PointMass(Place(position=1.3), mass=0.002)
     )
     ranked = round_of(session, SPRING)
-    assert with_what_comes_nearer(session, found_with(session), ranked) == ranked
+
+    first, *_ = with_what_comes_nearer(session, found_with(session), ranked)
+
+    assert first.fit.cost < ranked[0].fit.cost  # what comes nearest in the law's place is kept
+    assert first.effect.kind in EFFECTS
     assert not session.is_beyond
     assert not session.decisions
 

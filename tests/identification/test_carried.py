@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from trial_records import REFERENCE, evaluator_of, measured, multisine
 
-from identification.carried import carried_by_best, excused, louder_by
+from identification.carried import carried_by_best, excused, louder_by, on_its_noise
 from identification.evaluate import carry_noise
 from identification.evidence import Ranked
 from identification.fit import fit
@@ -80,7 +80,7 @@ def test_the_floor_of_the_model_that_was_found_holds_the_noise_as_it_carries_it(
     session = session_of(evaluator)
     stage = session.stage("+ modal_damping", true)
 
-    now = session.on_its_noise(stage)
+    now = on_its_noise(session, stage)
 
     assert (now is not stage) == lower
     assert now.score.nrmse == stage.score.nrmse
