@@ -462,10 +462,22 @@ REPORTED = CaseSet(
         ),
         53003: Batch(
             "ce0f9b1",
+            28,
+            taught="laws beyond the library are looked for along the whole beam: imitations, beside which others were "
+            "sought for up to half an hour of a core",
             run="Its first nine cases, all right, were judged by 1512797, which differs where a complete model misses "
-            "a record kept aside: none of theirs does. One thread each, the first nine beside up to two other ones.",
+            "a record kept aside: none of theirs does. One thread each, beside up to two other processes: its seconds "
+            "are too high. Ended by hand for what it taught: the next seed judges that.",
             first_kind="stiffness_drift",
             first_law="friction_spot",
+            n_laws=9,
+            more_outside=True,
+        ),
+        54001: Batch(
+            "a3ec9bb",
+            run="Two cores each, the machine alone.",
+            first_kind="hertz_contact",
+            first_law="one_sided_stop",
             n_laws=9,
             more_outside=True,
         ),
