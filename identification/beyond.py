@@ -149,27 +149,49 @@ def _end(session: Session, words: str) -> None:
     session.is_beyond = True
 
 
-def with_what_comes_nearer(session: Session, base: Fit, ranked: list[Ranked]) -> list[Ranked]:
-    """The ranking, held against laws beyond the library where no kind of it reaches the noise by itself; told.
+def with_what_meets_the_noise(session: Session, base: Fit, ranked: list[Ranked]) -> list[Ranked]:
+    """The ranking, held against laws beyond the library in its best's place, where no kind reaches the noise; told.
 
-    A general law has more ways down than any kind of the library. Where one reaches the noise, or explains as much as a
-    diagnosis has to, either a kind that had been lost is found from its numbers of the rig, or what is missing is one
-    law that the library does not hold (``Session.is_beyond``), and no second effect is looked for beside an imitation
-    of it. It is looked for along a whole beam; where none is told so, it begins where the best of the round has come
-    to, if that may act anywhere, finds its own place from there, and has to reach the noise.
+    A general law has more ways down than any kind of the library. It begins where the best of the round has come to, if
+    that may act anywhere, and finds its own place from there. Where it reaches the noise, either a kind that had been
+    lost is found from its numbers of the rig, or what is missing is one law that the library does not hold
+    (``Session.is_beyond``), and no second effect is looked for beside an imitation of it.
 
     Args:
         session: with the records, told.
         base: the model that the round was looked for from.
         ranked: of the round.
     """
-    if base.hypothesis.effects or base.ratio <= NOISE_DOUBTED or not ranked or ranked[0].fit.ratio <= NOISE_REACHED:
+    if not _are_asked_for(session, base, ranked) or not free_place(ranked[0].effect):
         return ranked
-    if not (session.fitting.timed and ranked[0].refitted):
+    return _held_against(session, base, ranked, _rows_in_place(session, base, ranked[0].fit, 0, WORTH_A_FIT))
+
+
+def with_what_is_seen_along(session: Session, base: Fit, ranked: list[Ranked]) -> list[Ranked]:
+    """The same with laws that are looked for along a whole beam, and need not reach the noise.
+
+    The best of the library may stand in a valley from which the place of the true law is not seen. Where a law reaches
+    the noise, or explains as much as a diagnosis has to, kinds of the library are tried in its place.
+
+    Args:
+        session: with the records, told.
+        base: the model that the round was looked for from.
+        ranked: of the round.
+    """
+    if not _are_asked_for(session, base, ranked):
         return ranked
-    rows = _rows_anywhere(session, base, ranked[0])
-    if not rows and free_place(ranked[0].effect):
-        rows = _rows_in_place(session, base, ranked[0].fit, 0, WORTH_A_FIT)
+    return _held_against(session, base, ranked, _rows_anywhere(session, base, ranked[0]))
+
+
+def _are_asked_for(session: Session, base: Fit, ranked: Sequence[Ranked]) -> bool:
+    """Whether laws beyond the library are: nothing was found before, and no kind of it reaches the noise."""
+    if session.is_beyond or base.hypothesis.effects or base.ratio <= NOISE_DOUBTED or not session.fitting.timed:
+        return False
+    return bool(ranked) and ranked[0].refitted and ranked[0].fit.ratio > NOISE_REACHED
+
+
+def _held_against(session: Session, base: Fit, ranked: list[Ranked], rows: Sequence[Ranked]) -> list[Ranked]:
+    """The ranking with kinds of the library that were tried in a law's place, unless that ends the search; told."""
     if not rows:
         return ranked
     ahead = _ahead(rows)

@@ -25,7 +25,13 @@ from identification.alone import one_alone
 from identification.anew import looked_for_anew
 from identification.another_first import another_first
 from identification.assess import with_starts
-from identification.beyond import is_beyond_library, is_beyond_where_missed, law_beyond, with_what_comes_nearer
+from identification.beyond import (
+    is_beyond_library,
+    is_beyond_where_missed,
+    law_beyond,
+    with_what_is_seen_along,
+    with_what_meets_the_noise,
+)
 from identification.calibrate import calibrate, strained, unknowns_of
 from identification.carried import carried_by_best, carried_by_calibrated, excused
 from identification.conclude import concluded, one_set_of_numbers, settled
@@ -173,11 +179,11 @@ def _searched(
             if learnt is not better:
                 ranked, _ = look_round(session, learnt)
         chain, (*rounds, ranked) = carried_by_best(session, chain, [*rounds, ranked])
-        ranked = finite_first(session, with_other_starts(session, chain[-1], ranked))
-        chain, rounds, ranked = _with_another_first(session, chain, rounds, ranked, stages)
+        ranked = with_what_is_seen_along(session, chain[-1], ranked)
+        chain, rounds, ranked = _from_elsewhere(session, chain, rounds, ranked, stages)
         rounds.append(told_apart(session, ranked))
         chain, rounds = reweigh(session, chain, rounds)
-        rounds[-1] = with_what_comes_nearer(session, chain[-1], rounds[-1])
+        rounds[-1] = with_what_meets_the_noise(session, chain[-1], rounds[-1])
         chosen = None if session.is_beyond else accepted(session, chain[-1], rounds[-1])
         if chosen is None:
             break
@@ -276,6 +282,16 @@ def _looked(
         chain, (*rounds, ranked) = everything_again(session, chain, [*rounds, ranked])
         better = None
     return chain, rounds, refitted_from(session, beginnings, ranked), better
+
+
+def _from_elsewhere(
+    session: Session, chain: list[Fit], rounds: list[list[Ranked]], ranked: list[Ranked], stages: list[Stage]
+) -> tuple[list[Fit], list[list[Ranked]], list[Ranked]]:
+    """The models and rounds and what is ranked, other starts and firsts tried unless the library holds no such law."""
+    if session.is_beyond:
+        return chain, rounds, ranked
+    ranked = finite_first(session, with_other_starts(session, chain[-1], ranked))
+    return _with_another_first(session, chain, rounds, ranked, stages)
 
 
 def _with_another_first(

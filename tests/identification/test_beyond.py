@@ -15,7 +15,8 @@ from identification.beyond import (
     is_beyond_where_missed,
     law_beyond,
     promised,
-    with_what_comes_nearer,
+    with_what_is_seen_along,
+    with_what_meets_the_noise,
 )
 from identification.evidence import LEAST_EVIDENCE, Ranked, misfit_of, with_evidence
 from identification.fit import fit
@@ -162,7 +163,7 @@ def test_a_law_that_meets_the_noise_where_the_library_does_not_ends_the_search()
     ranked = round_of(session, SPRING)
     assert ranked[0].fit.ratio > NOISE_REACHED
 
-    assert with_what_comes_nearer(session, found_with(session), ranked) == ranked
+    assert with_what_meets_the_noise(session, found_with(session), ranked) == ranked
 
     assert session.is_beyond
     (told,) = session.decisions
@@ -189,7 +190,7 @@ def test_a_law_far_from_where_the_library_imitates_it_ends_the_search_above_the_
     session = beam_session(FallingFriction(THERE, force=1.0, speed=0.02), rms=4.0)
     ranked = round_of(session, replace(DASHPOT, place=Place(position=0.4)))
 
-    assert with_what_comes_nearer(session, found_with(session), ranked) == ranked
+    assert with_what_is_seen_along(session, found_with(session), ranked) == ranked
 
     assert session.is_beyond
     (told,) = session.decisions
@@ -204,7 +205,7 @@ def test_a_kind_that_stood_at_another_place_is_found_where_a_general_law_is_seen
     unknowns = (*rig_unknowns(REFERENCE), *effect_unknowns(stuck, places=False))
     ranked = [Ranked.of(fit(session.fitting, stuck, unknowns, precise=True))]
 
-    first, *_ = with_what_comes_nearer(session, found_with(session), ranked)
+    first, *_ = with_what_is_seen_along(session, found_with(session), ranked)
 
     assert not session.is_beyond
     assert first.effect.kind == "coulomb_friction"
@@ -215,7 +216,7 @@ def test_a_friction_and_a_dashpot_at_one_support_are_not_one_law():
     session = beam_session(FRICTION, DASHPOT, rms=4.0)
     ranked = round_of(session, replace(SPRING, place=Place(position=0.4)))
 
-    with_what_comes_nearer(session, found_with(session), ranked)
+    with_what_is_seen_along(session, found_with(session), ranked)
 
     assert not session.is_beyond
 
@@ -229,7 +230,7 @@ def test_no_law_is_looked_for_along_an_oscillator():
     ranked = [Ranked.of(fit(evaluator, stiffer, effect_unknowns(stiffer)))]
     assert ranked[0].fit.ratio > NOISE_REACHED
 
-    assert with_what_comes_nearer(session, fit(evaluator, base, ()), ranked) is ranked
+    assert with_what_is_seen_along(session, fit(evaluator, base, ()), ranked) is ranked
 
 
 def test_a_law_that_is_an_event_in_what_was_fitted_does_not_end_the_search(monkeypatch):
@@ -237,7 +238,7 @@ def test_a_law_that_is_an_event_in_what_was_fitted_does_not_end_the_search(monke
     ranked = round_of(session, SPRING)
     monkeypatch.setattr("identification.acceptance.left_unseen", lambda *_: Unseen(1.0, 1.0, 1.0))
 
-    rows = with_what_comes_nearer(session, found_with(session), ranked)
+    rows = with_what_meets_the_noise(session, found_with(session), ranked)
 
     assert {row.effect.kind for row in rows} <= EFFECTS.keys()
     assert not session.is_beyond
@@ -251,7 +252,7 @@ def test_a_law_beside_which_a_small_second_effect_may_be_left_does_not_end_the_s
     )
     ranked = round_of(session, SPRING)
 
-    first, *_ = with_what_comes_nearer(session, found_with(session), ranked)
+    first, *_ = with_what_meets_the_noise(session, found_with(session), ranked)
 
     assert first.fit.cost < ranked[0].fit.cost  # what comes nearest in the law's place is kept
     assert first.effect.kind in EFFECTS
@@ -264,7 +265,7 @@ def test_a_kind_that_was_lost_is_found_where_a_general_law_meets_the_noise():
     ranked = round_of(session, DASHPOT)
     assert ranked[0].fit.ratio > NOISE_REACHED
 
-    first, *others = with_what_comes_nearer(session, found_with(session), ranked)
+    first, *others = with_what_meets_the_noise(session, found_with(session), ranked)
 
     assert not session.is_beyond
     assert first.effect.kind == "coulomb_friction"
@@ -280,7 +281,7 @@ def test_a_law_is_looked_for_along_the_beam_where_the_best_of_a_round_acts_at_on
     ranked = [*round_of(session, SqueezeFilm(there, damping=2.0)), *round_of(session, SPRING)]
     assert ranked[0].fit.ratio > NOISE_REACHED
 
-    assert with_what_comes_nearer(session, found_with(session), ranked) is ranked
+    assert with_what_is_seen_along(session, found_with(session), ranked) is ranked
 
     assert session.is_beyond
     assert "linear force that lags at 0.86" in session.decisions[0]
@@ -289,7 +290,8 @@ def test_a_law_is_looked_for_along_the_beam_where_the_best_of_a_round_acts_at_on
 def test_a_round_that_reaches_the_noise_is_left_as_it_is():
     session = beam_session(FRICTION)
     ranked = round_of(session, FRICTION)
-    assert with_what_comes_nearer(session, found_with(session), ranked) is ranked
+    assert with_what_meets_the_noise(session, found_with(session), ranked) is ranked
+    assert with_what_is_seen_along(session, found_with(session), ranked) is ranked
 
 
 def test_a_law_that_is_right_alone_takes_the_place_of_two_with_more_numbers():
