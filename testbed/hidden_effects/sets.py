@@ -474,7 +474,7 @@ REPORTED = CaseSet(
             more_outside=True,
         ),
         54001: Batch(
-            "a3ec9bb",
+            "8a4ebe4",
             run="Two cores each, the machine alone.",
             first_kind="hertz_contact",
             first_law="one_sided_stop",
