@@ -475,7 +475,8 @@ REPORTED = CaseSet(
         ),
         54001: Batch(
             "8a4ebe4",
-            run="Two cores each, the machine alone.",
+            run="The first three on two threads, the first mostly beside another process; the others on one thread, "
+            "two at a time. It goes on.",
             first_kind="hertz_contact",
             first_law="one_sided_stop",
             n_laws=9,
