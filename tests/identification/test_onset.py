@@ -20,7 +20,7 @@ from identification.evaluate import AHEAD
 from identification.fit import fit
 from identification.hypothesis import Hypothesis
 from identification.onset import WINDOW, goes_on, of_whole, onset_of
-from identification.rounds import _view, _where_it_shows
+from identification.rounds import _where_it_shows, view_of
 from models.effects import EFFECTS, Place
 from models.effects.absorber import Absorber
 from models.effects.bouc_wen import BoucWen
@@ -105,7 +105,7 @@ def test_where_nothing_is_missing_no_misfit_begins():
 def test_the_search_moves_to_where_the_misfit_is():
     session, base = rising_session(Hypothesis(OSCILLATOR, effects=(HARDENING,)), 1.0)
     kinds = {"cubic_stiffness": EFFECTS["cubic_stiffness"]}
-    view = _view(session.everything, session.limits, base, kinds, 1.0, 2)
+    view = view_of(session.everything, session.limits, base, kinds, 1.0, 2)
 
     moved = _where_it_shows(session, session.everything, base, view)
 
@@ -119,7 +119,7 @@ def test_numbers_that_a_late_misfit_has_pulled_away_do_not_hide_that_it_is_late(
     session, early = rising_session(Hypothesis(OSCILLATOR, effects=(HARDENING,)), 1.0)
     base = fit(session.everything, early.hypothesis, early.unknowns, precise=True)
     assert pulled(base)
-    view = _view(session.everything, session.limits, base, {"cubic_stiffness": EFFECTS["cubic_stiffness"]}, 1.0, 2)
+    view = view_of(session.everything, session.limits, base, {"cubic_stiffness": EFFECTS["cubic_stiffness"]}, 1.0, 2)
     assert view.there.ratio > 1.15
 
     moved = _where_it_shows(session, session.everything, base, view)
@@ -135,7 +135,7 @@ def test_a_record_that_starts_in_motion_goes_on_from_where_it_is():
 
 def test_the_search_stays_where_the_misfit_shows_from_the_first():
     session, base = rising_session(Hypothesis(OSCILLATOR, effects=(HARDENING,)), 1.0)
-    view = _view(session.everything, session.limits, base, EFFECTS, 4.0, 2)
+    view = view_of(session.everything, session.limits, base, EFFECTS, 4.0, 2)
     assert view.there.ratio > 1.15
 
     assert _where_it_shows(session, session.everything, base, view) is view
