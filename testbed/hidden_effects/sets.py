@@ -544,10 +544,17 @@ of such a record. Errors are of all channels together, each quantity by its own 
             n_laws=9,
         ),
         48017: Batch(
-            "ce0f9b1",
-            run="Its first three cases, all right, were judged by 1512797, which differs where a complete model misses "
-            "a record kept aside: none of theirs does. One thread each.",
+            "1512797",
+            3,
+            taught="nothing: all are right",
+            run="One thread each. Ended by hand when laws beyond the library had come to be looked for along the beam.",
             first_kind="clamp_compliance",
+            first_law="growing_damping",
+            n_laws=9,
+        ),
+        50021: Batch(
+            "8a4ebe4",
+            first_kind="local_damage",
             first_law="growing_damping",
             n_laws=9,
         ),
