@@ -6,7 +6,6 @@ as it is, which was not to be seen before: a step of block coordinate descent wh
 R. J. Hathaway, Neural, Parallel and Scientific Computations 11 (2003) 351).
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from math import inf
@@ -16,14 +15,12 @@ from identification.evidence import Ranked
 from identification.exchange import Exchange, exchanged, fit_at, in_turn
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis
-from identification.judge import finals
+from identification.judge import Look, finals
 from identification.look import View, beside
 from identification.prepare import cut_to
-from identification.progress import Progress
 from identification.reached import LEAST_SHARE, reaches_noise, takes_away
 from identification.rounds import SCREEN_SECONDS, told_apart
 from identification.session import Session
-from identification.sketch import Sketch
 
 NEAR_THE_TRUTH = 3.0
 """Residual over noise up to which the numbers beside several effects are near enough to see others by."""
@@ -100,9 +97,7 @@ def judged_anew(session: Session, calibrated: Fit, bare: Hypothesis, near: float
     return ranked_beside(session, fit_at(session, calibrated, bare), beside, near)
 
 
-def ranked_beside(
-    session: Session, base: Fit, look: Callable[[View, Fit, Progress], list[Sketch]], near: float = inf
-) -> list[Ranked]:
+def ranked_beside(session: Session, base: Fit, look: Look, near: float = inf) -> list[Ranked]:
     """Every kind at every place judged beside a model.
 
     Kinds that act over the length of a record are left out: looking for them takes whole records.

@@ -13,7 +13,7 @@ Econometrica 54 (1986) 657: a model that stands explains what its rivals find in
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import log
 
 import numpy as np
@@ -32,12 +32,11 @@ from identification.evidence import (
 )
 from identification.exchange import fit_at
 from identification.fit import Fit
-from identification.hypothesis import Hypothesis, free_place
-from identification.in_its_place import has_fewer, judged_beside, refit, seen_at, without_last
+from identification.hypothesis import free_place
+from identification.in_its_place import has_fewer, judged_beside, refit, refit_sketched, seen_at, without_last
 from identification.in_step import tried_with
-from identification.judge import LARGE
+from identification.judge import looks_from
 from identification.kept_aside import KeptAside, holds_on, left_of
-from identification.look import afar, beside
 from identification.noise_left import NOISE_NEAR
 from identification.outcome import distinct
 from identification.reached import EXPLAINED_FAR, LEAST_SHARE, NOISE_DOUBTED, NOISE_REACHED, takes_away
@@ -232,11 +231,10 @@ def _rows_anywhere(session: Session, base: Fit, best: Ranked) -> list[Ranked]:
     if not session.has_time_for("a look along the beam at laws beyond the library"):
         return []
     session.progress("looking along the whole beam for laws beyond the library")
-    look = afar if base.ratio > LARGE else beside
     try:
         view = view_of(session.searching(base), session.limits, base, GENERAL_LAWS, SCREEN_SECONDS, 2)
-        sketches = look(view, base, session.progress)
-        law = _refitted(fitting, base, sketches[0].fit.hypothesis) if sketches else None
+        sketches = looks_from(base)[0](view, base, session.progress)
+        law = refit_sketched(fitting, base, sketches[0].fit.hypothesis) if sketches else None
         if law is None or not _explains(base, law) or _beyond_noise(law) > MOST_LEFT * _beyond_noise(best.fit):
             return []
         label = law.hypothesis.effects[-1].label()
@@ -248,21 +246,16 @@ def _rows_anywhere(session: Session, base: Fit, best: Ranked) -> list[Ranked]:
         return []
 
 
-def _refitted(fitting: Evaluator, base: Fit, begun: Hypothesis) -> Fit | None:
-    """A law fitted to all beside the numbers that a look at the beginning has found with it."""
-    effects = begun.effects[-1:]
-    return refit(fitting, base, replace(base.hypothesis, values=begun.values, motions=begun.motions, effects=effects))
-
-
 def _explains(base: Fit, law: Fit) -> bool:
     """Whether a law reaches the noise, or takes away as much as an effect far from it has to."""
     return law.ratio <= NOISE_REACHED or takes_away(base, law) >= EXPLAINED_FAR
 
 
 def _is_of_a_support(session: Session, base: Fit, law: Fit) -> bool:
-    """Whether two simple kinds in a general law's place leave so little that it may stand for both.
+    """Whether simple kinds in a general law's place leave so little that it may stand for them.
 
-    A friction and a dashpot, or a spring and a dashpot, are what a support is made of: one curve holds both.
+    A friction and a dashpot, or a spring and a dashpot, are what a support is made of: one curve holds both. The kind
+    that shows most there is fitted, then another beside it, up to the numbers that a support may have together.
 
     Args:
         session: with the records.
@@ -270,17 +263,17 @@ def _is_of_a_support(session: Session, base: Fit, law: Fit) -> bool:
         law: the general one.
     """
     place, kinds = law.hypothesis.effects[-1].place, session.kinds_at_a_place(base.hypothesis.rig)
-    pair, begun, numbers = base, without_last(law.hypothesis), 0
+    model, begun, numbers = base, without_last(law.hypothesis), 0
     while numbers < OF_A_SUPPORT:
         most = min(OF_A_SUPPORT - 1, OF_A_SUPPORT - numbers)
         simple = {name: kind for name, kind in kinds.items() if has_fewer(kind, most + 1)}
-        seen = seen_at(place.position, session.fitting, pair, begun, simple)
-        found = refit(session.fitting, pair, tried_with(session.fitting, begun, seen[0].effect)) if seen else None
+        seen = seen_at(place.position, session.fitting, model, begun, simple)
+        found = refit(session.fitting, model, tried_with(session.fitting, begun, seen[0].effect)) if seen else None
         if found is None:
             return False
-        pair, begun = found, found.hypothesis
+        model, begun = found, found.hypothesis
         numbers += found.hypothesis.effects[-1].n_numbers
-    return _beyond_noise(law) > MOST_LEFT * max(_beyond_noise(pair), 1.0)
+    return _beyond_noise(law) > MOST_LEFT * max(_beyond_noise(model), 1.0)
 
 
 def _beyond_noise(found: Fit) -> float:

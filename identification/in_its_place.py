@@ -358,5 +358,18 @@ def refit(evaluator: Evaluator, base: Fit, begun: Hypothesis) -> Fit | None:
         return None
 
 
+def refit_sketched(evaluator: Evaluator, base: Fit, sketched: Hypothesis) -> Fit | None:
+    """Everything refitted from the numbers and the last effect of a model that was fitted to a beginning.
+
+    Args:
+        evaluator: records to fit.
+        base: the model without the effect, whose other effects a beginning may not tell.
+        sketched: the model on the beginning.
+    """
+    effects = (*base.hypothesis.effects, sketched.effects[-1])
+    begun = replace(base.hypothesis, values=sketched.values, motions=sketched.motions, effects=effects)
+    return refit(evaluator, base, begun)
+
+
 REFIT_TOLERANCE = 2e-3
 """Relative decrease of the cost that ends a refit; the one that wins is polished."""

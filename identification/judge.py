@@ -12,7 +12,7 @@ from identification.in_its_place import (
     EXPLAINED,
     RULED_OUT,
     against,
-    refit,
+    refit_sketched,
     settled_apart,
     with_others_there,
 )
@@ -32,6 +32,9 @@ from identification.sketch import (
     is_alike,
 )
 from models.effects import Registry
+
+Look = Callable[[View, Fit, Progress], list[Sketch]]
+"""A way to look for suspects: in a view, beside the calibrated model, told what is being done."""
 
 FINALISTS, LASTING_FINALISTS = 4, 3
 """Sketches that are refitted, and beside them those of kinds that act over the length of a record: these are sketched
@@ -60,12 +63,9 @@ def judge(
     instant = next((view for view in views if not view.is_lasting), None)
     lasting = [view for view in views if view.is_lasting]
     late = instant is not None and instant.is_late  # where a drift has come to look like a step
-    looks = [beside, afar] if base.ratio <= LARGE else [afar, beside]
-    if base.ratio <= SMALL and not pulled(base):
-        looks = [beside]
     kinds = {} if instant is None else instant.registry
     ranked: list[Ranked] = []
-    for number, look in enumerate(looks):
+    for number, look in enumerate(looks_from(base)):
         if number > 0:
             progress("nothing seen so far reaches the noise; looking from elsewhere")
         if instant is not None and instant.is_late:
@@ -107,6 +107,17 @@ def _first_in_detail(ranked: list[Ranked], fitting: Evaluator, progress: Progres
     first = ranked[0].fit
     finer = in_more_detail(fitting, first, progress, which=slice(-1, None))
     return ranked if finer is first else reranked(ranked, finer)
+
+
+def looks_from(base: Fit) -> list[Look]:
+    """How suspects are looked for, one way after the other for as long as nothing reaches the noise.
+
+    Args:
+        base: the calibrated model.
+    """
+    if base.ratio <= SMALL and not pulled(base):
+        return [beside]
+    return [beside, afar] if base.ratio <= LARGE else [afar, beside]
 
 
 SMALL, LARGE = 3.0, 8.0
@@ -158,10 +169,7 @@ def finals(
             if first is None or farther > RULED_OUT:
                 continue
             found = first.hypothesis
-        effects = (*base.hypothesis.effects, found.effects[-1])  # a beginning may not tell the others
-        result = refit(
-            fitting, base, replace(base.hypothesis, values=found.values, motions=found.motions, effects=effects)
-        )
+        result = refit_sketched(fitting, base, found)
         if result is not None:
             ranked.append(Ranked.of(result, sketch=sketch.fit))
             if _leads(result, sketch) and (leader is None or result.ratio < leader[1].ratio):

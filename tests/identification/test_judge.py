@@ -92,8 +92,8 @@ def refits(monkeypatch):
         ratio = ratios[found.effects[-1].kind]
         return fit_of(found.effects[-1], 1000.0 * ratio**2), ratio / leader.ratio
 
+    monkeypatch.setattr(in_its_place, "refit", refit)
     for module in (judging, in_its_place):
-        monkeypatch.setattr(module, "refit", refit)
         monkeypatch.setattr(module, "against", against)
     return ratios, asked
 

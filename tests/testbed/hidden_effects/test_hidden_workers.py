@@ -74,6 +74,7 @@ def test_the_command_runs_real_cases_on_a_cluster_of_two_workers(cluster, monkey
     files = [path_of(tmp_path, task) for task in TASKS[:2]]
     for case in [json.loads(file.read_text()) for file in files]:
         assert case["judged"]["right"], case
+        assert any(decision.startswith("complete") for decision in case["decisions"])
         assert case["held_out"]["after"] == pytest.approx(1.0, abs=0.15)  # 512 samples tell a perfect model no better
 
 
