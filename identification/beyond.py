@@ -123,8 +123,7 @@ def is_beyond_where_missed(
     names = " and ".join(kept.missed)
     session.progress(f"{found.row.effect.label()} is put to {names}")
     try:
-        law = session.fit_of_all(found.row.fit.hypothesis).hypothesis
-        nearest = session.fit_of_all(found.stood.hypothesis).hypothesis
+        law, nearest = (session.fit_of_all(one.hypothesis, one).hypothesis for one in (found.row.fit, found.stood))
     except ArithmeticError:
         return False
     if kept.followed is None:

@@ -57,12 +57,13 @@ def calibrate(
         windows: of the first fits.
         tolerance: relative decrease of the cost that ends the last fit.
     """
-    hypothesis = set_in_motion(evaluator, hypothesis, unknowns)
+    hypothesis, short_fit = set_in_motion(evaluator, hypothesis, unknowns), None
     for share, seconds in windows if unknowns else ():
         short = beginning(evaluator, share, seconds)
         if evaluator.at_rest or short.n_data < LONGEST_FIRST * evaluator.n_data:
-            hypothesis = fit(short, hypothesis, unknowns, tolerance=1e-2, max_iterations=15).hypothesis
-    return fit(evaluator, hypothesis, unknowns, tolerance=tolerance, precise=True)
+            short_fit = fit(short, hypothesis, unknowns, tolerance=1e-2, max_iterations=15, like=short_fit)
+            hypothesis = short_fit.hypothesis
+    return fit(evaluator, hypothesis, unknowns, tolerance=tolerance, precise=True, like=short_fit)
 
 
 def set_in_motion(evaluator: Evaluator, hypothesis: Hypothesis, unknowns: Sequence[Unknown]) -> Hypothesis:

@@ -62,7 +62,7 @@ def carried_by_calibrated(session: Session, base: Fit) -> Fit:
         f"{session.fitting.nrmse_of_noise:.2%}"
     )
     session.fitting = quieter
-    return fit(quieter, base.hypothesis, base.unknowns, precise=True)
+    return fit(quieter, base.hypothesis, base.unknowns, precise=True, like=base)
 
 
 def on_its_noise(session: Session, stage: Stage) -> Stage:
@@ -119,7 +119,7 @@ def _excused(session: Session, found: Fit, carried: Sequence[Target]) -> Fit:
     parts = session.parts_of(louder)
     if _left(parts, found) > NOISE_NEAR:
         return found
-    again = fit(parts, found.hypothesis, found.unknowns, precise=True)
+    again = fit(parts, found.hypothesis, found.unknowns, precise=True, like=found)
     before, session.everything, session.fitting = (session.everything, session.fitting), louder, parts
     if not reaches_noise(parts, again) or session.left_tolerance(again):
         session.everything, session.fitting = before

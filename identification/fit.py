@@ -1,11 +1,13 @@
 """Nonlinear least squares over the unknowns of a hypothesis, with what is known beforehand as further data.
 
-Levenberg and Marquardt's method. The columns of the Jacobian that belong to the rig's numbers change little, so they
-are kept from one iteration to the next, and formed anew only where a step does not bring what it promised.
+Levenberg and Marquardt's method. Differences for all columns of the Jacobian cost many times what a step does, so the
+columns follow what the steps show (``_along_step``), and are formed anew where a step does not bring what it promised,
+and where the fit ends. Columns that another fit has formed are kept as they are until then.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -108,7 +110,9 @@ def fit(
     jacobian: FloatArray | None = None,
     keep: bool = False,
     precise: bool = False,
+    formed: bool = False,
     tolerance: float = 2e-4,
+    like: Fit | None = None,
 ) -> Fit:
     """Move the unknowns to the minimum of chi-square plus prior.
 
@@ -116,12 +120,14 @@ def fit(
         evaluator: records and noise.
         hypothesis: where to start.
         unknowns: what may move; those of records that the evaluator does not hold are left out.
-        max_iterations: of Levenberg and Marquardt.
+        max_iterations: of Levenberg and Marquardt; a step without differences counts for less.
         jacobian: (n_kept, n_data) columns of the first unknowns, known from an earlier fit nearby.
         keep: never form the columns in ``jacobian`` anew; a quick look, not the minimum.
         precise: go on where no step brings anything, with next to no damping, and end with differences taken where the
             fit ends, of which covariances and evidence can be formed.
+        formed: ``jacobian`` has all columns, and they were formed where the fit begins.
         tolerance: relative decrease of the cost that ends the fit.
+        like: a fit nearby, perhaps to other records: its slopes tell how far to move a number for its first difference.
 
     Raises:
         ArithmeticError: the start itself diverges.
@@ -134,25 +140,37 @@ def fit(
     kept = 0 if jacobian is None else len(jacobian)
     if jacobian is not None:
         rows[:kept] = jacobian
-    _differentiate(evaluator, state, unknowns, rows, range(kept, len(unknowns)))
-    fresh, near, curved, damping = kept == 0, False, False, FAR_DAMPING
-    for _ in range(max_iterations):
-        new, promised, damping = _step(evaluator, state, unknowns, prior, rows, damping, bent=curved and fresh)
+    _differentiate(evaluator, state, unknowns, rows, range(kept, len(unknowns)), like)
+    fresh, follow, near, curved, damping = formed or kept == 0, False, False, False, FAR_DAMPING
+    kept, spent = 0 if formed else kept, 0.0
+    while spent < max_iterations:
+        spent += WITHOUT_DIFFERENCES if follow else 1.0
+        tries = 1 if follow else MOST_TRIES
+        new, promised, next_damping = _step(
+            evaluator, state, unknowns, prior, rows, damping, tries, bent=curved and fresh
+        )
         gained = state.cost - new.cost
-        curved = curved or gained < POOR_SHARE * promised or damping > FAR_DAMPING
-        if gained > 0:
-            state = new
-        small = gained < max(tolerance * state.cost, LEAST_GAIN)
-        if small and (fresh or keep):
+        if gained > 0 or not follow:
+            damping = next_damping
+        before, state = state, new if gained > 0 else state
+        share, least = gained / max(promised, LEAST_GAIN), max(tolerance * state.cost, LEAST_GAIN)
+        curved = curved or (not follow and (gained < POOR_SHARE * promised or damping > FAR_DAMPING))
+        small = gained < least and (keep or share < 1.0 / POOR_SHARE)
+        if small and (fresh or keep or (precise and promised < least)):
             if near or not precise:
                 break
             near, damping = True, NEAR_DAMPING
-        refresh_all = not keep and (small or not POOR_SHARE < gained / max(promised, LEAST_GAIN) < 1.0 / POOR_SHARE)
-        first = 0 if refresh_all or near else kept
-        _differentiate(evaluator, state, unknowns, rows, range(first, len(unknowns)))
+        refresh_all = near or (not keep and (small or not POOR_SHARE < share < 1.0 / POOR_SHARE))
+        follow = not (refresh_all or kept or curved) and FOLLOWED_SHARE < share < 1.0 / FOLLOWED_SHARE
+        follow = follow and spent < max_iterations
+        first = 0 if refresh_all else kept
+        if follow:
+            _along_step(evaluator, rows, state.x - before.x, state.residual - before.residual)
+        else:
+            _differentiate(evaluator, state, unknowns, rows, range(first, len(unknowns)))
         if near:
             _along_valleys(evaluator, state, unknowns, rows)
-        fresh = first == 0
+        fresh = not follow and first == 0
     if precise and not near:
         if not fresh or max_iterations == 0:  # those formed before any step may be too wide
             _differentiate(evaluator, state, unknowns, rows, range(len(unknowns)))
@@ -176,7 +194,13 @@ LOOK, LOOK_TOLERANCE = 5, 0.02
 """Iterations and tolerance of a look at where a fit is going, before it is followed."""
 
 
-def fit_to_its_end(evaluator: Evaluator, hypothesis: Hypothesis, unknowns: Sequence[Unknown], iterations: int) -> Fit:
+def fit_to_its_end(
+    evaluator: Evaluator,
+    hypothesis: Hypothesis,
+    unknowns: Sequence[Unknown],
+    iterations: int,
+    like: Fit | None = None,
+) -> Fit:
     """The fit, gone on from where it stopped for as long as a step more promises much and each run keeps its promise.
 
     A curved valley is followed by short steps, which look like an end.
@@ -186,17 +210,19 @@ def fit_to_its_end(evaluator: Evaluator, hypothesis: Hypothesis, unknowns: Seque
         hypothesis: where to start.
         unknowns: what may move.
         iterations: of a run.
+        like: a fit nearby, perhaps to other records, as for ``fit``.
 
     Raises:
         ArithmeticError: the start itself diverges.
     """
-    largest = np.inf
-    for _ in range(MOST_RUNS):
-        found = fit(evaluator, hypothesis, unknowns, max_iterations=iterations, tolerance=0.0, precise=True)
+    run = partial(fit, evaluator, unknowns=unknowns, max_iterations=iterations, tolerance=0.0, precise=True)
+    found, largest = run(hypothesis, like=like), np.inf
+    for _ in range(MOST_RUNS - 1):
         promised = found.unfinished * found.cost
         if promised < NO_FARTHER * max(1.0, found.ratio**2) or found.cost > largest:
             break
-        hypothesis, largest = found.hypothesis, found.cost - KEPT * promised
+        largest = found.cost - KEPT * promised
+        found = run(found.hypothesis, jacobian=found.jacobian, formed=True)
     return found
 
 
@@ -225,7 +251,12 @@ LEAST_GAIN = 0.1
 """A smaller decrease of chi-square moves no unknown by more than a third of its standard deviation."""
 
 POOR_SHARE = 0.6
-"""Where a step brings less than this share of what it promised, or that much more, the kept columns are out of date."""
+"""Where a step brings less than this share of what it promised, or that much more, the kept columns are out of date. So
+much more it brings along a valley that bends, and however little that is, it is not the end."""
+
+FOLLOWED_SHARE, WITHOUT_DIFFERENCES = 0.8, 0.25
+"""The same for columns that follow the steps, and what a step with them counts for among the iterations: the rest are
+the differences, of ten numbers or so."""
 
 FAR_DAMPING, NEAR_DAMPING = 1e-3, 1e-9
 """Damping at first, as a share of each unknown's information: from afar, and near the minimum with fine differences,
@@ -233,6 +264,10 @@ where what is left to follow are valleys that only a prior closes."""
 
 DAMPINGS = (1.0, 0.03, 30.0)
 """Factors on the damping tried together, so that no core waits."""
+
+MOST_TRIES = 4
+"""Dampings, each a hundred times the one before, until a step takes anything away; one where columns follow the steps,
+which are then formed anew."""
 
 LARGEST_STEP = 2.0
 """Largest move of an unknown in one iteration, in its own coordinate."""
@@ -252,21 +287,34 @@ def _differentiate(
     unknowns: tuple[Unknown, ...],
     rows: FloatArray,
     which: Iterable[int],
+    like: Fit | None = None,
 ) -> None:
     """Fill rows with differences that tell numbers apart.
 
     A coordinate is moved by what changes the residual by a small share only: where two numbers nearly imitate each
     other, the curvature over wide differences is larger than what tells them apart, and the fit crawls. How much that
-    is the row so far tells; a first row that was far too wide is formed again.
+    is the row so far tells, or that of a fit nearby; a first row that was far off is formed again.
     """
     wanted = max(LEAST_CHANGE, SHARE_OF_RESIDUAL * float(np.linalg.norm(state.residual)))
     known = {k: float(np.linalg.norm(rows[k])) for k in which}
-    steps = {k: unknowns[k].step if norm == 0.0 else max(wanted / norm, LEAST_STEP) for k, norm in known.items()}
+    guessed = {} if like is None else _sizes_of(like, evaluator.n_data)
+    sizes = {k: norm or guessed.get(unknowns[k], 0.0) for k, norm in known.items()}
+    steps = {k: unknowns[k].step if size == 0.0 else max(wanted / size, LEAST_STEP) for k, size in sizes.items()}
     steps = {k: min(step, unknowns[k].step) for k, step in steps.items()}
     _difference(evaluator, state, unknowns, rows, steps)
     first = {k: float(np.linalg.norm(rows[k])) for k, norm in known.items() if norm == 0.0}
-    wide = {k: max(wanted / norm, LEAST_STEP) for k, norm in first.items() if norm * steps[k] > FAR_TOO_WIDE * wanted}
-    _difference(evaluator, state, unknowns, rows, wide)
+    wide = {k: max(wanted / norm, LEAST_STEP) for k, norm in first.items() if norm * steps[k] > FAR_OFF * wanted}
+    narrow = [k for k, norm in first.items() if norm * steps[k] < wanted / FAR_OFF and steps[k] < unknowns[k].step]
+    widened = {k: min(max(wanted / max(first[k], TINY), LEAST_STEP), unknowns[k].step) for k in narrow}
+    _difference(evaluator, state, unknowns, rows, wide | widened)
+
+
+def _sizes_of(found: Fit, n_data: int) -> dict[Unknown, float]:
+    """Norm that each unknown's slopes of a fit would have on so many data; of a record's own as many as they had."""
+    longer = float(np.sqrt(n_data / max(found.jacobian.shape[1], 1)))
+    norms = np.linalg.norm(found.jacobian, axis=1).tolist()
+    rows = zip(found.unknowns, norms, strict=True)
+    return {unknown: norm * (longer if unknown.record is None else 1.0) for unknown, norm in rows}
 
 
 def _difference(
@@ -320,6 +368,29 @@ def _along_valleys(evaluator: Evaluator, state: _State, unknowns: tuple[Unknown,
         for acts, data in records:
             unit[:, data] += _least_change(valleys, acts[told], slopes[:, data] - valleys.T @ unit[:, data])
         rows[told] = unit * norms[told, None]
+
+
+def _along_step(evaluator: Evaluator, rows: FloatArray, step: FloatArray, change: FloatArray) -> None:
+    """Correct the rows by what a step has changed, in each record the least in units in which each has norm 1 there.
+
+    What has no slope in a record keeps none. Source: C. G. Broyden, Math. Comput. 19 (1965) 577, eq. 4.5; K. Madsen,
+    H. B. Nielsen, O. Tingleff, Methods for non-linear least squares problems (2004), section 3.5; where slopes are
+    known to be 0, L. K. Schubert, Math. Comput. 24 (1970) 27.
+
+    Args:
+        evaluator: records of the fit.
+        rows: (n_unknowns, n_data) slopes, changed in place.
+        step: (n_unknowns,) by how much the unknowns were moved.
+        change: (n_data,) what that did to the residual.
+    """
+    start = 0
+    for target in evaluator.targets:
+        part, changed = rows[:, start : start + target.n_data], change[start : start + target.n_data]
+        weights = step * np.einsum("kn,kn->k", part, part)
+        length = float(step @ weights)
+        if length > 0.0:
+            part += np.outer(weights / length, changed - step @ part)
+        start += target.n_data
 
 
 def _by_record(evaluator: Evaluator, unknowns: tuple[Unknown, ...]) -> Iterator[tuple[BoolArray, slice]]:
@@ -378,8 +449,9 @@ VALLEY_STEP = 0.3
 LEAST_CHANGE, SHARE_OF_RESIDUAL = 3.0, 0.01
 """Norm, in standard deviations of the noise, by which a difference moves the residual: at least, and of its own."""
 
-FAR_TOO_WIDE = 10.0
-"""Times that change at which a first difference is taken again over a smaller step."""
+FAR_OFF, TINY = 10.0, 1e-300
+"""Times that change at which a first difference is taken again over a smaller step, or a larger one where it is so much
+less."""
 
 LEAST_STEP = 1e-6
 """Smallest difference, in an unknown's own coordinate; a smaller one drowns in the stepper's own tolerance."""
@@ -400,16 +472,20 @@ def _step(
     prior: FloatArray,
     rows: FloatArray,
     damping: float,
+    tries: int,
     *,
     bent: bool,
 ) -> tuple[_State, float, float]:
-    """The best of a few damped steps, bent or straight; the decrease that a linear model promised; the next damping."""
+    """The best of a few damped steps, bent or straight; the decrease that a linear model promised; the next damping.
+
+    Where none of them takes anything away, shorter ones are tried, so many times in all.
+    """
     gradient = rows @ state.residual + prior * state.x
     normal = rows @ rows.T + np.diag(prior)
     size = np.maximum(np.diag(normal), 1e-12 * np.max(np.diag(normal), initial=1e-300))
     best, promised = replace(state, cost=np.inf), 0.0
     factors = BENT_DAMPINGS if bent else DAMPINGS[: max(2, evaluator.jobs)]
-    for _ in range(4):
+    for _ in range(tries):
         held = [normal + factor * damping * np.diag(size) for factor in factors]
         steps = [_bounded(_free_step(state, unknowns, each, gradient)) for each in held]
         ways = _bent(evaluator, state, unknowns, rows, held, steps) if bent else steps

@@ -310,7 +310,8 @@ def settled_apart(fitting: Evaluator, ranked: list[Ranked], progress: Progress) 
     if not close[1:]:
         return ranked
     progress(f"{' and '.join(row.effect.label() for row in close)} fit nearly alike; fitting them to the end")
-    fits = [fit(fitting, row.fit.hypothesis, row.fit.unknowns, tolerance=0.0, precise=True) for row in close]
+    found = [row.fit for row in close]
+    fits = [fit(fitting, one.hypothesis, one.unknowns, tolerance=0.0, precise=True, like=one) for one in found]
     rows = [replace(row, fit=f, effect=f.hypothesis.effects[-1]) for row, f in zip(close, fits, strict=True)]
     return _but_once(reweighed(ranked, [*rows, *(row for row in ranked if row.refitted and row not in close)]))
 

@@ -130,9 +130,9 @@ def _unbiased(
         return found, none
     shares = []
     try:
-        clean = fit(evaluator, model, unknowns, max_iterations=0)
+        clean = fit(evaluator, model, unknowns, max_iterations=0, like=found)
         for _ in range(BIASES):
-            noisy = fit(_with_even_noise(evaluator, rng), model, unknowns, max_iterations=0)
+            noisy = fit(_with_even_noise(evaluator, rng), model, unknowns, max_iterations=0, like=found)
             shares.append((noisy.jacobian - clean.jacobian) * (noisy.residual - clean.residual))
     except ArithmeticError:
         return found, none

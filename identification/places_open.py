@@ -99,6 +99,6 @@ def _held(session: Session, row: Ranked, where: float) -> Ranked | None:
     moved = place.set(found.hypothesis, where / place.unit)
     unknowns = [unknown for unknown in found.unknowns if unknown is not place]
     try:
-        return Ranked.of(fit(session.fitting, moved, unknowns, precise=True), index)
+        return Ranked.of(fit(session.fitting, moved, unknowns, precise=True, like=found), index)
     except ArithmeticError:
         return None

@@ -42,7 +42,7 @@ def relearn(session: Session, result: Fit, *, uncover: bool = False) -> Fit:
         session.fitting = with_noise(session.fitting, noises, result.hypothesis, rng)
         session.everything = with_noise(session.everything, ordered, result.hypothesis, rng)
         session.relearnt = True
-        result = session.resolve(fit(session.fitting, result.hypothesis, result.unknowns, precise=True))
+        result = session.resolve(fit(session.fitting, result.hypothesis, result.unknowns, precise=True, like=result))
     return result
 
 
@@ -102,7 +102,7 @@ def _row_again(session: Session, row: Ranked, first: Ranked, ended: Fit | None) 
     if session.fitting.n_judged != row.fit.n_data or row.log_evidence > first.log_evidence - HOPELESS:
         return _again(session, row.fit)
     fitting, begun = begun_by(session.fitting, row.fit.hypothesis)
-    return fit(fitting, begun, row.fit.unknowns, max_iterations=0)
+    return fit(fitting, begun, row.fit.unknowns, max_iterations=0, like=row.fit)
 
 
 HOPELESS = 1000.0
@@ -119,6 +119,7 @@ def _again(session: Session, result: Fit) -> Fit:
         max_iterations=4,
         tolerance=REWEIGHING_TOLERANCE,
         precise=True,
+        like=result,
     )
 
 

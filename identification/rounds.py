@@ -153,7 +153,7 @@ def _recalibrated(session: Session, base: Fit, found: Fit) -> Fit | None:
         )
         if look.cost > WORTH_MORE * base.cost:
             return None
-        again = fit(session.fitting, look.hypothesis, base.unknowns, precise=True)
+        again = fit(session.fitting, look.hypothesis, base.unknowns, precise=True, like=look)
     except ArithmeticError:  # beside the effect the numbers may have gone where nothing stands without it
         return None
     return again if base.cost - again.cost > max(100.0, 0.02 * base.cost) else None

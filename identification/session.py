@@ -190,29 +190,31 @@ class Session:
 
         def ended() -> Fit:
             self._foresee(result.hypothesis)
-            return self._fit_with_tables(result.hypothesis)
+            return self._fit_with_tables(result)
 
         return self._ended.about(self.everything, result, ask=ended)
 
-    def fit_of_all(self, hypothesis: Hypothesis) -> Fit:
+    def fit_of_all(self, hypothesis: Hypothesis, like: Fit | None = None) -> Fit:
         """A model fitted with all its numbers to everything that can be predicted.
 
         Args:
             hypothesis: where the fit begins.
+            like: a fit nearby to a part of it.
 
         Raises:
             ArithmeticError: the model diverges.
         """
         whole = self.all_predicted
         self.progress(f"fit on all {whole.extent}")
-        return fit_to_its_end(whole, hypothesis, all_unknowns(hypothesis, whole), LAST_ITERATIONS)
+        return fit_to_its_end(whole, hypothesis, all_unknowns(hypothesis, whole), LAST_ITERATIONS, like)
 
-    def _fit_with_tables(self, begun: Hypothesis) -> Fit:
+    def _fit_with_tables(self, result: Fit) -> Fit:
         """The fit of all, with tables in more detail as long as that tells much: a part may hide what they take.
 
         The coarsest that does is taken: a finer one holds it, and is as near whatever is there.
         """
-        found = self.fit_of_all(self.told_later(begun))
+        begun = result.hypothesis
+        found = self.fit_of_all(self.told_later(begun), result)
         while found.ratio > NOISE_REACHED:
             for then in self._finer(begun):
                 finer = self.fit_of_all(self.told_later(then))
@@ -405,7 +407,7 @@ class Session:
         if louder.nrmse_of_noise <= least:
             return False
         before, self.everything = self.everything, louder
-        again = self.fit_of_all(ended.hypothesis)
+        again = self.fit_of_all(ended.hypothesis, ended)
         if not reaches_noise(self.all_predicted, again):
             self.everything = before
             return False

@@ -113,7 +113,7 @@ def refitted_from(session: Session, beginnings: Sequence[Fit], ranked: list[Rank
     rows = [row for row in ranked if row.refitted]
     for each in chosen:
         try:
-            again = fit(session.fitting, each.hypothesis, each.unknowns, precise=True)
+            again = fit(session.fitting, each.hypothesis, each.unknowns, precise=True, like=each)
         except ArithmeticError:
             continue
         alike = [row for row in rows if is_alike(row.fit, again)]

@@ -37,7 +37,7 @@ def unstrained(evaluator: Evaluator, found: Fit) -> Fit:
     together = found.covariance[:, far] @ np.linalg.solve(found.covariance[np.ix_(far, far)], -x[far])
     try:
         start = at_coordinates(found.hypothesis, found.unknowns, x + together)
-        again = fit(evaluator, start, found.unknowns, precise=True)
+        again = fit(evaluator, start, found.unknowns, precise=True, like=found)
     except ArithmeticError:
         return found
     unit = misfit_of(found)

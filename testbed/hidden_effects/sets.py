@@ -475,8 +475,10 @@ REPORTED = CaseSet(
         ),
         54001: Batch(
             "8a4ebe4",
+            15,
+            taught="nothing: all are right",
             run="The first three on two threads, the first mostly beside another process; the others on one thread, "
-            "two at a time. It goes on.",
+            "beside another process. Ended by hand when the slopes of a fit had come to follow its steps.",
             first_kind="hertz_contact",
             first_law="one_sided_stop",
             n_laws=9,

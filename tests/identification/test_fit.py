@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from trial_records import REFERENCE, evaluator_of, measured, moved, multisine, oscillator, sweep
 
-from identification.fit import LEAST_ACTING, _bent, _least_change, _State, fit, fit_to_its_end
+from identification.fit import LEAST_ACTING, _along_step, _bent, _least_change, _State, fit, fit_to_its_end
 from identification.hypothesis import (
     Hypothesis,
     OffsetUnknown,
@@ -220,6 +220,93 @@ def test_a_fit_that_brings_nothing_is_not_repeated():
     fit_to_its_end(problem, NOWHERE, unknowns, 6)
 
     assert problem.n_asked == 2 * asked
+
+
+class Mild(Linear):
+    """Residuals that are a little curved everywhere, far from where they are least."""
+
+    def residuals(self, hypotheses):
+        rows = super().residuals(hypotheses)
+        return [row + 1e-4 * row**2 for row in rows]
+
+
+def mild():
+    """Of three numbers, each of which two steps of the largest size bring to where the residual vanishes."""
+    unknowns = tuple(Number(name) for name in NAMES)
+    return Mild(MATRIX, MATRIX @ np.array([3.0, -3.5, 2.5]), unknowns), unknowns
+
+
+def test_slopes_that_follow_the_steps_lead_to_the_same_end_with_fewer_residuals(monkeypatch):
+    problem, unknowns = mild()
+    found = fit(problem, NOWHERE, unknowns)
+    monkeypatch.setattr("identification.fit.FOLLOWED_SHARE", 1.0)
+    again, _ = mild()
+    anew = fit(again, NOWHERE, unknowns)
+
+    assert problem.n_asked < again.n_asked
+    for each in (found, anew):
+        np.testing.assert_allclose([u.get(each.hypothesis) for u in unknowns], [3.0, -3.5, 2.5], atol=1e-5)
+
+
+def test_slopes_after_a_step_agree_with_it_in_each_record():
+    problem = TwoRecords()
+    rows = np.random.default_rng(3).standard_normal((3, 400))
+    rows[1, 200:] = rows[2, :200] = 0.0  # a phase acts in its own record alone
+    step, change = np.array([0.1, -0.2, 0.4]), np.random.default_rng(4).standard_normal(400)
+    before = rows.copy()
+
+    _along_step(problem, rows, step, change)
+
+    np.testing.assert_allclose(step @ rows, change, atol=1e-12)
+    assert not rows[1, 200:].any()
+    assert not rows[2, :200].any()
+    # What the step moves most is changed most: by the square of its norm.
+    clock, phase = (np.linalg.norm((rows - before)[k, :200]) for k in (0, 1))
+    sizes = np.sum(before[:, :200] ** 2, axis=1)
+    assert clock / phase == pytest.approx(0.1 * sizes[0] / (0.2 * sizes[1]))
+
+
+def test_a_fit_nearby_tells_how_far_to_move_for_the_first_difference():
+    unknowns = tuple(Number(name, step=10.0) for name in NAMES)  # as they are, far too wide
+    alone, beside = Linear(MATRIX, RIGHT, unknowns), Linear(MATRIX, RIGHT, unknowns)
+    nearby = fit(Linear(MATRIX[:20], RIGHT[:20], unknowns), NOWHERE, unknowns)
+
+    fit(alone, NOWHERE, unknowns, max_iterations=0)
+    found = fit(beside, NOWHERE, unknowns, max_iterations=0, like=nearby)
+
+    assert beside.n_asked == alone.n_asked - len(unknowns)
+    np.testing.assert_allclose(found.jacobian, MATRIX.T, rtol=1e-6, atol=1e-6)
+
+
+def test_slopes_that_were_followed_are_formed_where_the_fit_ends():
+    problem, unknowns = mild()
+
+    found = fit(problem, NOWHERE, unknowns, max_iterations=1)  # of which two go by steps of the largest size
+
+    x = np.array([u.get(found.hypothesis) for u in unknowns])
+    away = MATRIX @ (x - np.array([3.0, -3.5, 2.5]))
+    np.testing.assert_allclose(found.jacobian, MATRIX.T * (1.0 + 2e-4 * away), rtol=1e-3, atol=1e-3)
+
+
+def test_a_run_that_goes_on_begins_with_the_slopes_of_the_last_and_leaves_a_valley():
+    unknowns = (Number("a"), Number("b"))
+    problem, start = Valley(unknowns), replace(NOWHERE, values={"a": -0.5, "b": 0.25})
+    problem.n_judged = 5000  # the noise is met, so that little is left to be promised
+
+    found = fit_to_its_end(problem, start, unknowns, 8)
+
+    assert found.cost < 1e-3
+    assert found.unfinished * found.cost < 1.0
+
+
+def test_a_fit_far_away_tells_no_step():
+    """Its slopes are so steep that what they ask for is lost in rounding: the difference is taken over a longer way."""
+    unknowns = tuple(Number(name) for name in NAMES)
+    nearby = fit(Linear(1e12 * MATRIX, RIGHT, unknowns), NOWHERE, unknowns, max_iterations=0)
+
+    found = fit(Linear(MATRIX, RIGHT, unknowns), NOWHERE, unknowns, max_iterations=0, like=nearby)
+
+    np.testing.assert_allclose(found.jacobian, MATRIX.T, rtol=1e-6, atol=1e-6)
 
 
 @pytest.mark.parametrize("at_start", [0.0, 0.1], ids=["inside", "at the bound"])

@@ -9,7 +9,7 @@ from trial_records import REFERENCE, evaluator_of, let_go, measured, moved, mult
 from identification.calibrate import calibrate, unknowns_of
 from identification.evaluate import carry_noise
 from identification.fit import fit
-from identification.hypothesis import LARGEST_SIGMA, Hypothesis, coordinates, rig_unknowns
+from identification.hypothesis import LARGEST_SIGMA, Hypothesis, at_coordinates, coordinates, rig_unknowns
 from identification.intervals import corrected, finer
 from identification.prepare import prepare
 from identification.scatter import widening
@@ -110,8 +110,12 @@ def test_a_number_at_its_bound_does_not_keep_the_others_from_being_corrected():
     truth = moved(oscillator(), 6.0, -0.5, 0.5)  # a mass further off than its tolerance lets it go
     record, noise = measured(truth, sweep(4096, high=600.0), noise=2e-5, settings=Settings(steps_per_sample=32))
     coarse = evaluator_of((record, noise), settings=Settings(steps_per_sample=1))
-    plain = fit(coarse, Hypothesis(truth.rig), rig_unknowns(truth.rig), tolerance=0.0)
-    assert coordinates(plain.hypothesis, plain.unknowns)[0] == pytest.approx(LARGEST_SIGMA, abs=1e-6)
+    ended = fit(coarse, Hypothesis(truth.rig), rig_unknowns(truth.rig), tolerance=0.0)
+    x = coordinates(ended.hypothesis, ended.unknowns)
+    assert x[0] == pytest.approx(LARGEST_SIGMA, abs=1e-6)
+    # Finer steps do not move the end of an oscillator's fit, whose steps are exact: so the fit is put beside its end.
+    beside = at_coordinates(ended.hypothesis, ended.unknowns, x + np.array([0.0, 1e-3, 0.0]))
+    plain = fit(coarse, beside, ended.unknowns, max_iterations=0)
 
     found = corrected(coarse, plain, np.random.default_rng(0))
 
