@@ -484,6 +484,14 @@ REPORTED = CaseSet(
             n_laws=9,
             more_outside=True,
         ),
+        55001: Batch(
+            "b300ee9",
+            run="Two threads, one case at a time with the machine to itself. It goes on.",
+            first_kind="point_stiffness",
+            first_law="fading_friction",
+            n_laws=9,
+            more_outside=True,
+        ),
     },
     shape=0.7,
     materials=("steel", "aluminium", "titanium", "glass fibre"),
@@ -555,7 +563,7 @@ of such a record. Errors are of all channels together, each quantity by its own 
             n_laws=9,
         ),
         50021: Batch(
-            "8a4ebe4",
+            "b300ee9",
             first_kind="local_damage",
             first_law="growing_damping",
             n_laws=9,
