@@ -6,12 +6,13 @@ import numpy as np
 
 from identification.calibrate import calibrate, unknowns_of
 from identification.evaluate import Evaluator, nrmse
-from identification.fit import Fit
+from identification.fit import LAST_ITERATIONS, Fit, fit_to_its_end
 from identification.hypothesis import Hypothesis, OwnNumber, effect_unknowns
 from identification.in_step import in_step
 from identification.intervals import corrected
 from identification.prepare import prepare, start_unknowns
 from identification.result import RecordScore, Score
+from identification.unstrained import unstrained
 from models.record import AnyRecord
 
 
@@ -69,7 +70,9 @@ def fit_effects(hypothesis: Hypothesis, records: Sequence[AnyRecord], *, jobs: i
     """
     rng = np.random.default_rng(seed)
     evaluator = prepare(hypothesis, records, jobs, rng)
-    return corrected(evaluator, calibrate_effects(evaluator, hypothesis), rng)
+    found = unstrained(evaluator, calibrate_effects(evaluator, hypothesis))
+    ended = fit_to_its_end(evaluator, found.hypothesis, found.unknowns, LAST_ITERATIONS, like=found)
+    return corrected(evaluator, ended, rng)
 
 
 def calibrate_effects(evaluator: Evaluator, hypothesis: Hypothesis) -> Fit:

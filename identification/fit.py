@@ -226,6 +226,9 @@ def fit_to_its_end(
     return found
 
 
+LAST_ITERATIONS = 6
+"""Of the fit of everything, before it is asked whether it goes on."""
+
 MOST_RUNS = 4
 
 NO_FARTHER, KEPT = 4.0, 0.1

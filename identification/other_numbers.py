@@ -11,7 +11,7 @@ from identification.assess import score
 from identification.calibrate import all_unknowns, calibrate
 from identification.draws import drawn, most_together
 from identification.evaluate import Evaluator
-from identification.fit import Fit, fit_to_its_end
+from identification.fit import LAST_ITERATIONS, Fit, fit_to_its_end
 from identification.hypothesis import Hypothesis, Unknown
 from identification.kept_aside import Followed, KeptAside, beyond_noise, is_met
 from identification.noise import Noise
@@ -20,7 +20,7 @@ from identification.pieces import fit_from_own_starts
 from identification.prepare import resolved
 from identification.reached import MODELS_APART, NOISE_REACHED, STRAYS
 from identification.result import RecordScore
-from identification.session import LAST_ITERATIONS, REALISATIONS, Session
+from identification.session import REALISATIONS, Session
 
 ASTRAY = 0.1
 """Error of a record kept aside, as a share of its motion, above which a fit may have stopped in another valley: begun

@@ -11,7 +11,7 @@ from identification.assess import score
 from identification.calibrate import all_unknowns, strained
 from identification.consistency.find import pushed_out
 from identification.evaluate import Evaluator, Target, TimeTarget, carry_noise
-from identification.fit import Fit, fit, fit_to_its_end
+from identification.fit import LAST_ITERATIONS, Fit, fit, fit_to_its_end
 from identification.hypothesis import EffectUnknown, Hypothesis, effect_unknowns, rig_unknowns
 from identification.last_answer import LastAnswer
 from identification.pieces import Piece, pieces_of
@@ -22,9 +22,6 @@ from identification.result import Stage
 from models.effects import Registry
 from models.rig import Rig
 from models.simulate import Settings
-
-LAST_ITERATIONS = 6
-"""Of the fit of everything, before it is asked whether it goes on."""
 
 LENGTHENED = 1.2
 """Times the seconds of the fit before, so that the values of a table in time are told one after the other: where a

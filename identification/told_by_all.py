@@ -6,12 +6,12 @@ from functools import cached_property
 
 from identification.evaluate import Evaluator
 from identification.evidence import Ranked, misfit_in_common, misfit_of
-from identification.fit import Fit, fit_to_its_end
+from identification.fit import LAST_ITERATIONS, Fit, fit_to_its_end
 from identification.hypothesis import Hypothesis, but_for_effects, effect_unknowns
 from identification.in_step import in_step
 from identification.outcome import EXCLUDED_BY, distinct, members_of
 from identification.pieces import fit_from_own_starts
-from identification.session import LAST_ITERATIONS, Session
+from identification.session import Session
 from models.effects import Effect
 
 MOST_HELD = 3

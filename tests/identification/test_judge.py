@@ -182,7 +182,7 @@ def test_those_that_fit_nearly_alike_are_fitted_to_the_end(refits, monkeypatch):
     ratios.update(point_mass=1.0, point_damping=1.0004, point_stiffness=1.2)
     asked = []
 
-    def to_the_end(evaluator, hypothesis, unknowns, *, tolerance, precise):
+    def to_the_end(evaluator, hypothesis, unknowns, *, tolerance, precise, like):
         asked.append((hypothesis.effects[-1].kind, tolerance))
         return fit_of(hypothesis.effects[-1], 990.0 if hypothesis.effects[-1].kind == "point_damping" else 1000.0)
 

@@ -37,7 +37,7 @@ def fitted(monkeypatch):
     begun = []
 
     def ending_with(chi2):
-        def fit(evaluator, start, unknowns, *, precise):
+        def fit(evaluator, start, unknowns, *, precise, like):
             assert precise
             begun.append(coordinates(start, unknowns))
             return replace(found(0.0, chi2), hypothesis=start)
