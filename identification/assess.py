@@ -6,7 +6,7 @@ import numpy as np
 
 from identification.calibrate import calibrate, unknowns_of
 from identification.evaluate import Evaluator, nrmse
-from identification.fit import LAST_ITERATIONS, Fit, fit_to_its_end
+from identification.fit import Fit, fit_to_its_end
 from identification.hypothesis import Hypothesis, OwnNumber, effect_unknowns
 from identification.in_step import in_step
 from identification.intervals import corrected
@@ -71,7 +71,7 @@ def fit_effects(hypothesis: Hypothesis, records: Sequence[AnyRecord], *, jobs: i
     rng = np.random.default_rng(seed)
     evaluator = prepare(hypothesis, records, jobs, rng)
     found = unstrained(evaluator, calibrate_effects(evaluator, hypothesis))
-    ended = fit_to_its_end(evaluator, found.hypothesis, found.unknowns, LAST_ITERATIONS, like=found)
+    ended = fit_to_its_end(evaluator, found.hypothesis, found.unknowns, like=found)
     return corrected(evaluator, ended, rng)
 
 

@@ -194,11 +194,15 @@ LOOK, LOOK_TOLERANCE = 5, 0.02
 """Iterations and tolerance of a look at where a fit is going, before it is followed."""
 
 
+LAST_ITERATIONS = 6
+"""Of a run of the fit of everything, before it is asked whether it goes on."""
+
+
 def fit_to_its_end(
     evaluator: Evaluator,
     hypothesis: Hypothesis,
     unknowns: Sequence[Unknown],
-    iterations: int,
+    iterations: int = LAST_ITERATIONS,
     like: Fit | None = None,
 ) -> Fit:
     """The fit, gone on from where it stopped for as long as a step more promises much and each run keeps its promise.
@@ -225,9 +229,6 @@ def fit_to_its_end(
         found = run(found.hypothesis, jacobian=found.jacobian, formed=True)
     return found
 
-
-LAST_ITERATIONS = 6
-"""Of the fit of everything, before it is asked whether it goes on."""
 
 MOST_RUNS = 4
 
@@ -301,15 +302,22 @@ def _differentiate(
     wanted = max(LEAST_CHANGE, SHARE_OF_RESIDUAL * float(np.linalg.norm(state.residual)))
     known = {k: float(np.linalg.norm(rows[k])) for k in which}
     guessed = {} if like is None else _sizes_of(like, evaluator.n_data)
-    sizes = {k: norm or guessed.get(unknowns[k], 0.0) for k, norm in known.items()}
-    steps = {k: unknowns[k].step if size == 0.0 else max(wanted / size, LEAST_STEP) for k, size in sizes.items()}
-    steps = {k: min(step, unknowns[k].step) for k, step in steps.items()}
+    steps = {k: _step_for(unknowns[k], norm or guessed.get(unknowns[k], 0.0), wanted) for k, norm in known.items()}
     _difference(evaluator, state, unknowns, rows, steps)
     first = {k: float(np.linalg.norm(rows[k])) for k, norm in known.items() if norm == 0.0}
-    wide = {k: max(wanted / norm, LEAST_STEP) for k, norm in first.items() if norm * steps[k] > FAR_OFF * wanted}
-    narrow = [k for k, norm in first.items() if norm * steps[k] < wanted / FAR_OFF and steps[k] < unknowns[k].step]
-    widened = {k: min(max(wanted / max(first[k], TINY), LEAST_STEP), unknowns[k].step) for k in narrow}
-    _difference(evaluator, state, unknowns, rows, wide | widened)
+    better = {k: _step_for(unknowns[k], norm, wanted) for k, norm in first.items()}
+    changes = {k: norm * steps[k] for k, norm in first.items()}
+    far_off = [
+        k
+        for k, change in changes.items()
+        if change > FAR_OFF * wanted or (change < wanted / FAR_OFF and steps[k] < unknowns[k].step)
+    ]
+    _difference(evaluator, state, unknowns, rows, {k: better[k] for k in far_off})
+
+
+def _step_for(unknown: Unknown, size: float, wanted: float) -> float:
+    """The step that changes the residual by so much where the slopes are of this norm; its own where that is 0."""
+    return unknown.step if size == 0.0 else min(max(wanted / size, LEAST_STEP), unknown.step)
 
 
 def _sizes_of(found: Fit, n_data: int) -> dict[Unknown, float]:
@@ -386,22 +394,25 @@ def _along_step(evaluator: Evaluator, rows: FloatArray, step: FloatArray, change
         step: (n_unknowns,) by how much the unknowns were moved.
         change: (n_data,) what that did to the residual.
     """
-    start = 0
-    for target in evaluator.targets:
-        part, changed = rows[:, start : start + target.n_data], change[start : start + target.n_data]
+    for _, data in _data_of(evaluator):
+        part = rows[:, data]
         weights = step * np.einsum("kn,kn->k", part, part)
         length = float(step @ weights)
         if length > 0.0:
-            part += np.outer(weights / length, changed - step @ part)
-        start += target.n_data
+            part += np.outer(weights / length, change[data] - step @ part)
 
 
 def _by_record(evaluator: Evaluator, unknowns: tuple[Unknown, ...]) -> Iterator[tuple[BoolArray, slice]]:
     """For each record, (n_unknowns,) which unknowns act in it, and where its numbers are in the residual."""
+    for name, data in _data_of(evaluator):
+        yield np.array([unknown.record in (None, name) for unknown in unknowns]), data
+
+
+def _data_of(evaluator: Evaluator) -> Iterator[tuple[str, slice]]:
+    """The name of each record, and where its numbers are in the residual."""
     start = 0
     for target in evaluator.targets:
-        name = target.record.name
-        yield np.array([unknown.record in (None, name) for unknown in unknowns]), slice(start, start + target.n_data)
+        yield target.record.name, slice(start, start + target.n_data)
         start += target.n_data
 
 
@@ -452,7 +463,7 @@ VALLEY_STEP = 0.3
 LEAST_CHANGE, SHARE_OF_RESIDUAL = 3.0, 0.01
 """Norm, in standard deviations of the noise, by which a difference moves the residual: at least, and of its own."""
 
-FAR_OFF, TINY = 10.0, 1e-300
+FAR_OFF = 10.0
 """Times that change at which a first difference is taken again over a smaller step, or a larger one where it is so much
 less."""
 

@@ -11,7 +11,7 @@ from identification.assess import score
 from identification.calibrate import all_unknowns, calibrate
 from identification.draws import drawn, most_together
 from identification.evaluate import Evaluator
-from identification.fit import LAST_ITERATIONS, Fit, fit_to_its_end
+from identification.fit import Fit, fit_to_its_end
 from identification.hypothesis import Hypothesis, Unknown
 from identification.kept_aside import Followed, KeptAside, beyond_noise, is_met
 from identification.noise import Noise
@@ -152,7 +152,7 @@ class _Court:
             ArithmeticError: the model diverges.
         """
         both = self.both(missed)
-        found = fit_from_own_starts(both, fit_to_its_end(both, begin, self.unknowns, LAST_ITERATIONS))
+        found = fit_from_own_starts(both, fit_to_its_end(both, begin, self.unknowns))
         return _Together(self.learnt, missed, found, self.cost_alone)
 
     def told_by(self, found: "_Together") -> list[tuple[Noise, Noise]]:

@@ -11,7 +11,7 @@ from identification.assess import score
 from identification.calibrate import all_unknowns, strained
 from identification.consistency.find import pushed_out
 from identification.evaluate import Evaluator, Target, TimeTarget, carry_noise
-from identification.fit import LAST_ITERATIONS, Fit, fit, fit_to_its_end
+from identification.fit import Fit, fit, fit_to_its_end
 from identification.hypothesis import EffectUnknown, Hypothesis, effect_unknowns, rig_unknowns
 from identification.last_answer import LastAnswer
 from identification.pieces import Piece, pieces_of
@@ -203,7 +203,7 @@ class Session:
         """
         whole = self.all_predicted
         self.progress(f"fit on all {whole.extent}")
-        return fit_to_its_end(whole, hypothesis, all_unknowns(hypothesis, whole), LAST_ITERATIONS, like)
+        return fit_to_its_end(whole, hypothesis, all_unknowns(hypothesis, whole), like=like)
 
     def _fit_with_tables(self, result: Fit) -> Fit:
         """The fit of all, with tables in more detail as long as that tells much: a part may hide what they take.
@@ -247,7 +247,7 @@ class Session:
                 return hypothesis
             self.progress(f"following its table over {longer.extent}")
             try:
-                found = fit_to_its_end(longer, hypothesis, all_unknowns(hypothesis, longer), LAST_ITERATIONS)
+                found = fit_to_its_end(longer, hypothesis, all_unknowns(hypothesis, longer))
             except ArithmeticError:
                 return hypothesis
             hypothesis = found.hypothesis

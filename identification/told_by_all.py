@@ -6,7 +6,7 @@ from functools import cached_property
 
 from identification.evaluate import Evaluator
 from identification.evidence import Ranked, misfit_in_common, misfit_of
-from identification.fit import LAST_ITERATIONS, Fit, fit_to_its_end
+from identification.fit import Fit, fit_to_its_end
 from identification.hypothesis import Hypothesis, but_for_effects, effect_unknowns
 from identification.in_step import in_step
 from identification.outcome import EXCLUDED_BY, distinct, members_of
@@ -169,7 +169,7 @@ class _Stand:
         _, start = min(stand, key=lambda pair: pair[0])
         start = self.led(start)
         unknowns = (*but_for_effects(self.fit.unknowns), *effect_unknowns(start))
-        return fit_from_own_starts(self.evaluator, fit_to_its_end(self.evaluator, start, unknowns, LAST_ITERATIONS))
+        return fit_from_own_starts(self.evaluator, fit_to_its_end(self.evaluator, start, unknowns))
 
     def behind(self, found: Fit) -> float:
         """Chi-square beyond what noise leaves that a fit has more than the model here, in its unit."""
