@@ -147,7 +147,7 @@ def beginning(evaluator: Evaluator, share: float, seconds: float) -> Evaluator:
         motion = record.responses - np.where(target.without_zero, record.responses.mean(axis=1), 0.0)[:, None]
         power = np.sum((motion / (motion.std(axis=1, keepdims=True) + TINY)) ** 2, axis=0)
         reached = int(np.searchsorted(np.cumsum(power), share * power.sum()))
-        short.append(target.cut(max(MIN_SAMPLES, reached, round(seconds * record.fs))))
+        short.append(target.cut_quickly(max(MIN_SAMPLES, reached, round(seconds * record.fs)), at_least=True))
     return evaluator.with_targets(short)
 
 

@@ -34,6 +34,7 @@ from identification.outcome import (
     rig_estimates,
     tried,
 )
+from identification.parallel import in_threads
 from identification.places_open import in_parts
 from identification.prepare import cut_to
 from identification.result import Diagnosis, Stage, Verdict
@@ -199,14 +200,18 @@ def _heard(session: Session) -> Evaluator:
 
 def _told(session: Session, heard: Evaluator, runs: Sequence[BesideRun]) -> tuple[Evaluator, list[BesideRun]]:
     """The records that a missing force can be told from, and their runs; told where one is left out."""
-    lost = [run.record.name for run in runs if not run.is_told]
+    told = [run for run, is_told in zip(runs, in_threads(heard.jobs, _is_told, runs), strict=True) if is_told]
+    lost = [run.record.name for run in runs if run not in told]
     if lost:
         session.decide(
             f"no missing force is told from {' and '.join(lost)}: the calibrated model is so far off there that the "
             f"force that explains it would move the rig more than {RUN_AWAY:g} times as far"
         )
-    told = [run for run in runs if run.is_told]
     return heard.with_targets([*(run.target for run in told), *heard.at_rest]), told
+
+
+def _is_told(run: BesideRun) -> bool:
+    return run.is_told
 
 
 def _located(session: Session, heard: Evaluator, hypothesis: Hypothesis, beside: Sequence[BesideRun]) -> Located | None:

@@ -125,6 +125,24 @@ class TimeTarget:
         part = samples_of(self.record, 0, n), samples_of(self.driven, 0, n + AHEAD), self.carried[:, :, :n]
         return self._part(*part, self.unjudged if unjudged is None else unjudged)
 
+    def cut_quickly(self, n_samples: int, *, at_least: bool = False) -> Self:
+        """The first samples, a per cent fewer (or more) where those have a quick transform; ``cut`` where all are kept.
+
+        A search transforms them ten thousand times, and the transform of 10923 samples (3 x 11 x 331) takes ten times
+        as long as that of 10890.
+
+        Args:
+            n_samples: that are kept.
+            at_least: rather more than fewer, and as many as asked for where there are no more.
+        """
+        most = min(self.driven.n_samples - AHEAD, self.record.n_samples)
+        if n_samples >= most:
+            return self.cut(n_samples)
+        more = fft.next_fast_len(n_samples)
+        if at_least:
+            return self.cut(more if more <= most else n_samples)
+        return self.cut(fft.prev_fast_len(n_samples))
+
     def later(self, first: int, name: str) -> Self:
         """The record from a sample on, under another name, since it starts from another state.
 
@@ -145,7 +163,7 @@ class TimeTarget:
         density = self.density[:, line]
         if len(carried):
             own = self.with_noise(self.noise).density[:, line]
-            density = density * (own + _density_of(carried)) / (own + _density_of(self.carried)[:, line])
+            density = density * (own + _density_of(carried)) / (own + self._carried_density[:, line])
         return replace(
             self,
             record=record,
@@ -155,6 +173,11 @@ class TimeTarget:
             carried=carried,
             unjudged=unjudged,
         )
+
+    @cached_property
+    def _carried_density(self) -> FloatArray:
+        """(n, lines) SI^2 of what noise of the excitation does to the channels."""
+        return _density_of(self.carried)
 
     def without(self, name: str) -> Self:
         """Without the channel of a sensor, if it has that."""

@@ -10,13 +10,13 @@ Source: R. Pintelon, J. Schoukens, System Identification: A Frequency Domain App
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from scipy import fft
 
 from models.arrays import AnyArray, ComplexArray, FloatArray
 from models.band_limit import STOP_EDGE
+from models.computed_once import computed_once
 from models.linear import ORDER_READ
 from models.modal import ModalModel
 from models.rig import Sensor
@@ -134,19 +134,19 @@ class FreeBeam:
     def _basis(self) -> ComplexArray:
         return np.vstack([self.vectors, self.vectors * self.poles])
 
-    @cached_property
+    @computed_once
     def _recorded(self) -> AnyArray:
         return np.asarray(np.abs(self.poles) <= 2.0 * np.pi * STOP_EDGE * self.fs)
 
-    @cached_property
+    @computed_once
     def _above(self) -> ComplexArray:
         return np.asarray(1.0 / (1j * self.omega[:, None] - self.poles))
 
-    @cached_property
+    @computed_once
     def _below(self) -> ComplexArray:
         return np.asarray(1.0 / (-1j * self.omega[:, None] - self.poles))
 
-    @cached_property
+    @computed_once
     def _decay(self) -> ComplexArray:
         return np.asarray(np.exp(np.outer(self.poles[self._recorded], np.arange(self.n_samples) / self.fs)))
 

@@ -246,7 +246,7 @@ def cut_to(
     left, remaining = seconds, len(pairs)
     for target, limit in sorted(pairs, key=lambda pair: min(pair[1].seconds, pair[0].record.duration)):
         share = min(left / remaining, limit.seconds, target.record.duration)
-        kept.append(target.cut(max(MIN_SAMPLES, round(share * target.record.fs))))
+        kept.append(target.cut_quickly(max(MIN_SAMPLES, round(share * target.record.fs))))
         left, remaining = left - share, remaining - 1
     return evaluator.with_targets(kept)
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from identification.evaluate import Evaluator
 from identification.hypothesis import Hypothesis
+from identification.lag import lag
 from identification.lines import Lines, lines_left
 from identification.rest_target import FrfTarget, ModesTarget
 from identification.together import loudness
@@ -160,17 +161,37 @@ def scenes(
     duration = max(target.whole for target in evaluator.timed)
     lines = lines_left(evaluator, hypothesis) if lines is None else lines
     common = _common(response.model, force or 1.0, duration)
-    common = replace(common, lines=(lines.free + lines.driven)[:MOST_LINES], loudness=_loudness(evaluator, hypothesis))
-    rest = _at_rest(response.model, positions)
-    return {place: _scene(place, common, plant, size[x], rest[x]) for place, x in at.items()}
+    rows = list(zip(evaluator.timed, evaluator.responses(hypothesis), strict=True))
+    heard = [(t.record.responses, r.channels[:, : t.record.n_samples]) for t, r in rows]
+    common = replace(common, lines=(lines.free + lines.driven)[:MOST_LINES], loudness=_loudness(heard))
+    rest, late = _at_rest(response.model, positions), _lags(evaluator, heard)
+    found = {place: _scene(place, common, plant, size[x], rest[x]) for place, x in at.items()}
+    alone = {place: place.sensor for place in at if place.sensor is not None and place.other is None}
+    return {**found, **{place: replace(found[place], lag=late.get(name, 0.0)) for place, name in alone.items()}}
 
 
-def _loudness(evaluator: Evaluator, hypothesis: Hypothesis) -> float:
-    """Rms of the measured channels over the model's, the median over all records; 1 where nothing moves."""
-    pairs = zip(evaluator.timed, evaluator.responses(hypothesis), strict=True)
-    ratios = [loudness(t.record.responses, r.channels[:, : t.record.n_samples]) for t, r in pairs]
-    told = np.concatenate(ratios)
+def _loudness(heard: Sequence[tuple[FloatArray, FloatArray]]) -> float:
+    """Rms of the measured channels over the model's, the median over all records; 1 where nothing moves.
+
+    Args:
+        heard: of each record (n, N) measured and predicted channels.
+    """
+    told = np.concatenate([loudness(measured, model) for measured, model in heard])
     return float(np.median(told)) if len(told) else 1.0
+
+
+def _lags(evaluator: Evaluator, heard: Sequence[tuple[FloatArray, FloatArray]]) -> dict[str, float]:
+    """By how much each sensor's channel is late, s.
+
+    Args:
+        evaluator: with the records.
+        heard: of each (n, N) measured and predicted channels.
+    """
+    pairs: dict[str, list[tuple[FloatArray, FloatArray, float]]] = {}
+    for target, channels in zip(evaluator.timed, heard, strict=True):
+        for name, measured, model in zip(target.record.sensors, *channels, strict=True):
+            pairs.setdefault(name, []).append((measured, model, target.record.fs))
+    return {name: lag(rows) for name, rows in pairs.items()}
 
 
 def _watched_at(place: Place, plant: Plant) -> float | None:

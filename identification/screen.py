@@ -119,6 +119,8 @@ def screen(
         for trial, row in _residuals(evaluator, base.hypothesis, trials):
             change = row - base.residual
             gain, factor = projection.gain(change, two_sided=_two_sided(trial))
+            if projection.misfit - projection.left_of(row) > AS_IT_IS * gain:
+                factor = 1.0
             yield trial, Suspect(trial.scaled(factor), gain), float(change @ change)
 
     trials = _trials(evaluator, base, registry, channels=channels)
@@ -131,6 +133,10 @@ def screen(
     suspects += _looked_at(seen, rest, projection.misfit, progress)
     return sorted(suspects, key=lambda suspect: -suspect.gain)
 
+
+AS_IT_IS = 0.8
+"""Share of what a trial promises in proportion to its size, from which on it is taken as it is: what it shows at its
+own size is sure, and a delay of many turns is in proportion to nothing."""
 
 Seen = tuple[Effect, Suspect, float]
 """A trial, what it promises, and the square of its change of the residual."""

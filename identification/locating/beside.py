@@ -18,7 +18,6 @@ motion is slow and accelerometers see nothing.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -30,6 +29,7 @@ from identification.hypothesis import Hypothesis
 from identification.law_history import contact_along, law_along
 from models.arrays import ComplexArray, FloatArray
 from models.band_limit import raise_rate, record_channels
+from models.computed_once import computed_once
 from models.effects.protocol import Measurement
 from models.plant import Plant
 from models.ports import PointLaw, Port
@@ -135,7 +135,7 @@ class BesideRun:
         self.rows, self.order = sensor_rows(self.model, [by_name[name] for name in self.record.sensors])
         self.gap = target.measured - target.spectrum(response.channels)
 
-    @cached_property
+    @computed_once
     def settled(self) -> Settled:
         """The motion that the channels tell, and what the laws leave of them there."""
         q, v, left = self.trace.q, self.trace.v, self.gap
@@ -156,7 +156,7 @@ class BesideRun:
             turns.append((estimate.surprise, q, v, by_law, missing, left))
         return Settled(*min(turns, key=lambda turn: turn[0])[1:], estimate)
 
-    @cached_property
+    @computed_once
     def is_told(self) -> bool:
         """Whether the missing force may be one: it moves no place far beyond all that the model says.
 
@@ -176,7 +176,7 @@ class BesideRun:
         variance[0] = np.where(self.target.without_zero, UNHEARD, 1.0) * variance[0]
         return np.asarray(variance * heard)
 
-    @cached_property
+    @computed_once
     def chain(self) -> ComplexArray:
         """(lines, n_sensors) what the measurement chain makes of a true channel."""
         n = self.record.n_samples
@@ -186,7 +186,7 @@ class BesideRun:
         turned = np.roll(self._measured(impulse), -(n // 2), axis=1)
         return np.asarray(scored_spectrum(turned).T)
 
-    @cached_property
+    @computed_once
     def decays(self) -> ComplexArray:
         """(lines, n_sensors, n_decays) spectra of the free decays that a force repeated with the record leaves."""
         decays = self.beam.decays(self.rows, self.order)

@@ -22,6 +22,7 @@ from identification.locating.lines import Balance
 from identification.locating.located import FreedChannel, Located, PlacedForce
 from identification.locating.shape import shape_of
 from identification.locating.weigh import Weighed, weigh
+from identification.parallel import in_threads
 from models.arrays import FloatArray
 from models.rig import Beam
 
@@ -156,19 +157,24 @@ class _Search:
         structure = hypothesis.rig.structure
         assert isinstance(structure, Beam)
         self.evaluator, self.hypothesis, self.seed, self.names = evaluator, hypothesis, seed, names
+        self.jobs = evaluator.jobs
         self.step = structure.length / POSITIONS
         self.unknowns = rig_unknowns(hypothesis.rig)
         self.grid = self.step * np.arange(1, POSITIONS + 1)
 
     def profile(self, runs: Sequence[BesideRun], *, channels: bool = True) -> _Profile:
         """Of all positions and channels, or of every other position alone."""
-        rng = np.random.default_rng(self.seed)
-        balances = tuple(Balance(run, rng) for run in runs)
+        balances = self.balances(runs)
         laws = {place for run in runs for place in run.places if place is not None}
         grid = self.grid if channels else self.grid[1::2]
         positions = np.array(sorted({*grid.tolist(), *laws}))
-        weighed = weigh([balance.lines(positions.tolist(), channels=channels) for balance in balances])
-        return _Profile(tuple(runs), balances, positions, self.names, weighed)
+        lines = in_threads(self.jobs, lambda balance: balance.lines(positions.tolist(), channels=channels), balances)
+        return _Profile(tuple(runs), balances, positions, self.names, weigh(lines, self.jobs))
+
+    def balances(self, runs: Sequence[BesideRun]) -> tuple[Balance, ...]:
+        """Of each record, with draws of its own."""
+        draws = np.random.default_rng(self.seed).spawn(len(runs))
+        return tuple(in_threads(self.jobs, lambda pair: Balance(*pair), list(zip(runs, draws, strict=True))))
 
     def finer(self, profile: _Profile, about: float, step: float) -> _Profile:
         """Of positions about one alone."""
@@ -179,7 +185,8 @@ class _Search:
             float(x) for x in grid if 0.0 < x <= self.grid[-1] + 1e-9 and all(abs(x - y) > 0.3 * step for y in near)
         }
         positions = sorted({*near, *inside})
-        weighed = weigh([balance.lines(positions, channels=False) for balance in profile.balances])
+        lines = in_threads(self.jobs, lambda balance: balance.lines(positions, channels=False), profile.balances)
+        weighed = weigh(lines, self.jobs)
         return replace(profile, positions=np.array(positions), weighed=weighed)
 
     def place(self, first: _Profile) -> Located:
@@ -236,7 +243,7 @@ class _Search:
         """The interval with the places that the records, or the parts of one, tell each by itself."""
         lines = [balance.lines(last.positions.tolist(), channels=False) for balance in last.balances]
         parts = lines if len(lines) > 1 else lines[0].parted()
-        peaks = [replace(last, weighed=weigh([part])).peak()[0] for part in parts]
+        peaks = in_threads(self.jobs, lambda part: replace(last, weighed=weigh([part])).peak()[0], parts)
         spread = float(np.sqrt(np.mean((np.array(peaks) - place) ** 2)))
         return min(interval[0], place - spread), max(interval[1], place + spread)
 
@@ -244,8 +251,7 @@ class _Search:
         """What is left of the others when the most suspicious channel is not listened to."""
         n = len(first.positions)
         name = self.names[int(np.argmax(first.weighed.evidence[n:]))]
-        rng = np.random.default_rng(self.seed)
-        others = [Balance(run, rng) for run in runs_beside(self.evaluator, self.hypothesis, unheard=name)]
+        others = self.balances(runs_beside(self.evaluator, self.hypothesis, unheard=name))
         nothing = weigh([balance.lines(self.grid[-1:].tolist(), channels=False) for balance in others]).nothing
         left = float(np.sqrt(nothing * len(self.names) / (len(self.names) - 1)))
         enough, share = _is_enough(first.weighed.nothing, left), float(_share(first.weighed.nothing, left**2))

@@ -18,6 +18,7 @@ from scipy.special import logsumexp
 
 from identification.force_estimate import BANDS
 from identification.locating.lines import Lines
+from identification.parallel import in_threads
 from models.arrays import ComplexArray, FloatArray
 
 DENSITIES = np.geomspace(1e-2, 1e8, 21)
@@ -48,19 +49,20 @@ class Weighed:
     numbers: FloatArray
 
 
-def weigh(records: Sequence[Lines]) -> Weighed:
+def weigh(records: Sequence[Lines], jobs: int = 1) -> Weighed:
     """Weigh every way against nothing.
 
     Args:
         records: with the same ways and numbers.
+        jobs: cores.
     """
-    at, parts = records[0].at, [_Way(lines) for lines in records]
+    at, parts = records[0].at, in_threads(jobs, _Way, records)
     n_ways = records[0].ways.shape[2]
     bare = _solved([part.normal for part in parts], at)
     nothing = sum(part.chi2(x) for part, x in zip(parts, bare, strict=True))
-    first = [part.shares(np.repeat(x, n_ways, axis=0)) for part, x in zip(parts, bare, strict=True)]
-    common = _solved([part.freed(share) for part, (_, share) in zip(parts, first, strict=True)], at)
-    found = [part.shares(x) for part, x in zip(parts, common, strict=True)]
+    alone = [(part, np.repeat(x, n_ways, axis=0)) for part, x in zip(parts, bare, strict=True)]
+    common = _solved(in_threads(jobs, _freed, alone), at)
+    found = in_threads(jobs, _shared, list(zip(parts, common, strict=True)))
     last = [(part, x, share) for part, x, (_, share) in zip(parts, common, found, strict=True)]
     chi2 = sum(part.chi2(x) for part, x, _ in last)
     taken = sum(np.sum((2.0 - share) * share * np.abs(part.seen(x)) ** 2, axis=0) for part, x, share in last)
@@ -125,6 +127,18 @@ class _Way:
             best, share[first:last] = _weighed_band(power[first:last], self.size[first:last] ** 2)
             gain += best
         return gain, share
+
+
+def _shared(at: tuple[_Way, FloatArray]) -> tuple[FloatArray, FloatArray]:
+    part, x = at
+    return part.shares(x)
+
+
+def _freed(at: tuple[_Way, FloatArray]) -> _Normal:
+    """The normal equations without what each way takes beside given common factors."""
+    part, x = at
+    _, share = part.shares(x)
+    return part.freed(share)
 
 
 def _weighed_band(power: FloatArray, size: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -120,6 +120,8 @@ class Scene:
         sensor_position: where the place's sensor should be, m from the clamp; None where the place is no sensor.
         lines: frequencies, Hz, of single lines in the records that the model does not explain, the strongest first.
         loudness: rms of the measured channels over the model's, the median of all.
+        lag: by how much the place's channel is later than the model's, as far as they are most alike then, s; 0 where
+            the place is no single sensor, or no lag is told.
     """
 
     place: Place
@@ -137,6 +139,7 @@ class Scene:
     sensor_position: float | None = None
     lines: tuple[float, ...] = ()
     loudness: float = 1.0
+    lag: float = 0.0
 
 
 @dataclass(frozen=True)

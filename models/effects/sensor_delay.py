@@ -29,9 +29,11 @@ class SensorDelay(Effect):
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:
-        """2, 10 and 50 % of the time in which the motion turns by 1 rad."""
-        for share in (0.02, 0.1, 0.5):
-            yield cls(scene.place, delay=share * scene.displacement / scene.velocity)
+        """2, 10 and 50 % of the time in which the motion turns by 1 rad, and what the channel itself tells."""
+        turn = scene.displacement / scene.velocity
+        told = (scene.lag,) if scene.lag > 0.0 else ()
+        for delay in (0.02 * turn, 0.1 * turn, *told, 0.5 * turn):  # of a row, a quick look takes the middle
+            yield cls(scene.place, delay=delay)
 
     def change_channels(self, channels: FloatArray, measurement: Measurement) -> FloatArray:
         """The channel later."""

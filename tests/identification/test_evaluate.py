@@ -78,6 +78,24 @@ def test_a_cut_keeps_the_beginning_and_its_noise():
     assert TimeTarget.of(decay, target.noise).cut(500).record.excitation is None
 
 
+@pytest.mark.parametrize(
+    ("asked", "kept", "at_least"),
+    [
+        (500, 500, 500),
+        (1001, 1000, 1008),
+        (1499, 1485, 1500),
+        (2031, 2025, 2031),  # 2048 would be the next, and 2032 are all that may be heard
+        (2032, 2032, 2032),
+        (9999, 2032, 2032),
+    ],
+)
+def test_a_quick_cut_has_no_prime_above_eleven_but_where_all_is_kept(asked, kept, at_least):
+    target = TimeTarget.of(*measured(Hypothesis(oscillator()), sweep(2048)))
+
+    assert target.cut_quickly(asked).record.n_samples == kept
+    assert target.cut_quickly(asked, at_least=True).record.n_samples == at_least
+
+
 @pytest.mark.parametrize("seconds", [0.2, 1.0, 4.0])
 def test_the_truth_leaves_the_noise_alone_in_however_short_a_part(seconds):
     truth = Hypothesis(REFERENCE)

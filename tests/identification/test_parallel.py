@@ -7,6 +7,7 @@ import sys
 import time
 from math import sqrt
 from pathlib import Path
+from threading import Barrier
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from trial_records import REFERENCE, evaluator_of, measured, moved, multisine
 from identification import parallel
 from identification.evaluate import FEW
 from identification.hypothesis import Hypothesis
-from identification.parallel import in_parallel
+from identification.parallel import in_parallel, in_threads
 from models.effects import Place
 from models.effects.cubic_stiffness import CubicStiffness
 
@@ -45,6 +46,19 @@ def companions(monkeypatch):
 @pytest.mark.parametrize("n", [0, 1, 2, 50])
 def test_results_are_in_order(jobs, alike, n):
     assert in_parallel(jobs, sqrt, range(n), alike=alike) == [sqrt(k) for k in range(n)]
+
+
+@pytest.mark.parametrize("jobs", [1, 2, 3])
+def test_threads_give_results_in_order_and_the_first_error(jobs):
+    for n in (0, 1, 50):
+        assert in_threads(jobs, lambda k: -k, range(n)) == [-k for k in range(n)]
+    with pytest.raises(ValueError, match="'one'"):
+        in_threads(jobs, int, ["4", "one", "two", "3"])
+
+
+def test_two_threads_are_at_work_at_the_same_time():
+    met = Barrier(2, timeout=5.0)
+    assert sorted(in_threads(2, lambda _: met.wait(), range(2))) == [0, 1]
 
 
 def test_companions_take_their_share(companions):

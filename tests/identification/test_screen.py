@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from test_fit import Number
-from trial_records import REFERENCE, evaluator_of, measured, multisine, oscillator
+from trial_records import FS, REFERENCE, evaluator_of, measured, multisine, oscillator
 
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, rig_unknowns
@@ -12,7 +12,9 @@ from models.effects import Place
 from models.effects.absorber import Absorber
 from models.effects.coulomb_friction import CoulombFriction
 from models.effects.point_mass import PointMass
+from models.effects.sensor_delay import SensorDelay
 from models.effects.sensor_gain import SensorGain
+from models.effects.sensor_position import SensorPosition
 from models.effects.youngs_modulus import YoungsModulus
 from models.linear import linearised, natural_modes
 from models.modal import build_modal
@@ -178,3 +180,18 @@ def test_an_absorber_between_two_modes_is_found_at_its_frequency(look):
 
     assert isinstance(first.effect, Absorber)
     assert abs(np.log2(first.effect.frequency / between)) < 0.3
+
+
+@pytest.mark.parametrize("look", [survey, screen])
+def test_a_delay_of_many_turns_is_found_as_long_as_it_is(look):
+    """No slope leads there: what moves at 200 Hz has turned four times by then."""
+    hidden = SensorDelay(Place(sensor="P4"), delay=0.021)
+    evaluator = evaluator_of(measured(Hypothesis(REFERENCE, effects=(hidden,)), multisine(4096, rms=2.0)))
+    base = fit(evaluator, Hypothesis(REFERENCE), rig_unknowns(REFERENCE))
+    registry = {"sensor_delay": SensorDelay, "sensor_gain": SensorGain, "sensor_position": SensorPosition}
+
+    first, *_ = look(evaluator, base, registry, lambda _: None)
+
+    assert first.effect.place == hidden.place
+    assert isinstance(first.effect, SensorDelay)
+    assert first.effect.delay == pytest.approx(hidden.delay, abs=0.5 / FS)
