@@ -1,6 +1,8 @@
 """The end of a diagnosis: a last fit of everything, what is left where, what was kept aside, what to measure next."""
 
 from collections.abc import Sequence
+from itertools import compress
+from operator import attrgetter
 from time import perf_counter
 
 import numpy as np
@@ -200,7 +202,7 @@ def _heard(session: Session) -> Evaluator:
 
 def _told(session: Session, heard: Evaluator, runs: Sequence[BesideRun]) -> tuple[Evaluator, list[BesideRun]]:
     """The records that a missing force can be told from, and their runs; told where one is left out."""
-    told = [run for run, is_told in zip(runs, in_threads(heard.jobs, _is_told, runs), strict=True) if is_told]
+    told = list(compress(runs, in_threads(heard.jobs, attrgetter("is_told"), runs)))
     lost = [run.record.name for run in runs if run not in told]
     if lost:
         session.decide(
@@ -208,10 +210,6 @@ def _told(session: Session, heard: Evaluator, runs: Sequence[BesideRun]) -> tupl
             f"force that explains it would move the rig more than {RUN_AWAY:g} times as far"
         )
     return heard.with_targets([*(run.target for run in told), *heard.at_rest]), told
-
-
-def _is_told(run: BesideRun) -> bool:
-    return run.is_told
 
 
 def _located(session: Session, heard: Evaluator, hypothesis: Hypothesis, beside: Sequence[BesideRun]) -> Located | None:

@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from itertools import count
 from threading import Lock, local
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from threadpoolctl import threadpool_limits
 
@@ -44,16 +44,16 @@ def in_parallel(
     return rest.in_order()
 
 
-def in_threads(jobs: int, work: Callable[[Item], Product], items: Iterable[Item]) -> list[Product]:
+def in_threads(jobs: int, work: Callable[..., Product], *items: Iterable[Any]) -> list[Product]:
     """The results in order, all made by this process: of arrays so large that to send them costs more than the lock.
 
     Args:
         jobs: cores.
         work: any function that changes nothing another item reads, and does no other work in parallel.
-        items: one after the other.
+        items: of each argument of the work, one after the other.
     """
     _one_thread_in_algebra()
-    return [work(item) for item in items] if jobs == 1 else list(_pool(jobs).map(work, items))
+    return list(map(work, *items)) if jobs == 1 else list(_pool(jobs).map(work, *items))
 
 
 class _Rest(Generic[Item, Product]):

@@ -161,37 +161,36 @@ def scenes(
     duration = max(target.whole for target in evaluator.timed)
     lines = lines_left(evaluator, hypothesis) if lines is None else lines
     common = _common(response.model, force or 1.0, duration)
-    rows = list(zip(evaluator.timed, evaluator.responses(hypothesis), strict=True))
-    heard = [(t.record.responses, r.channels[:, : t.record.n_samples]) for t, r in rows]
+    pairs = zip(evaluator.timed, evaluator.responses(hypothesis), strict=True)
+    heard = [(t.record, r.channels[:, : t.record.n_samples]) for t, r in pairs]
     common = replace(common, lines=(lines.free + lines.driven)[:MOST_LINES], loudness=_loudness(heard))
-    rest, late = _at_rest(response.model, positions), _lags(evaluator, heard)
+    rest = _at_rest(response.model, positions)
     found = {place: _scene(place, common, plant, size[x], rest[x]) for place, x in at.items()}
-    alone = {place: place.sensor for place in at if place.sensor is not None and place.other is None}
-    return {**found, **{place: replace(found[place], lag=late.get(name, 0.0)) for place, name in alone.items()}}
+    return {place: replace(scene, lag=_lag_at(place, heard)) for place, scene in found.items()}
 
 
-def _loudness(heard: Sequence[tuple[FloatArray, FloatArray]]) -> float:
+def _loudness(heard: Sequence[tuple[Record, FloatArray]]) -> float:
     """Rms of the measured channels over the model's, the median over all records; 1 where nothing moves.
 
     Args:
-        heard: of each record (n, N) measured and predicted channels.
+        heard: records, each with its (n, N) channels as predicted.
     """
-    told = np.concatenate([loudness(measured, model) for measured, model in heard])
+    told = np.concatenate([loudness(record.responses, model) for record, model in heard])
     return float(np.median(told)) if len(told) else 1.0
 
 
-def _lags(evaluator: Evaluator, heard: Sequence[tuple[FloatArray, FloatArray]]) -> dict[str, float]:
-    """By how much each sensor's channel is late, s.
+def _lag_at(place: Place, heard: Sequence[tuple[Record, FloatArray]]) -> float:
+    """By how much the channel of a sensor is late, s; 0 where the place is no single sensor.
 
     Args:
-        evaluator: with the records.
-        heard: of each (n, N) measured and predicted channels.
+        place: any.
+        heard: records, each with its (n, N) channels as predicted.
     """
-    pairs: dict[str, list[tuple[FloatArray, FloatArray, float]]] = {}
-    for target, channels in zip(evaluator.timed, heard, strict=True):
-        for name, measured, model in zip(target.record.sensors, *channels, strict=True):
-            pairs.setdefault(name, []).append((measured, model, target.record.fs))
-    return {name: lag(rows) for name, rows in pairs.items()}
+    name = place.sensor
+    if name is None or place.other is not None:
+        return 0.0
+    rows = [(record, model, record.sensors.index(name)) for record, model in heard if name in record.sensors]
+    return lag([(record.responses[k], model[k], record.fs) for record, model, k in rows])
 
 
 def _watched_at(place: Place, plant: Plant) -> float | None:

@@ -157,7 +157,6 @@ class _Search:
         structure = hypothesis.rig.structure
         assert isinstance(structure, Beam)
         self.evaluator, self.hypothesis, self.seed, self.names = evaluator, hypothesis, seed, names
-        self.jobs = evaluator.jobs
         self.step = structure.length / POSITIONS
         self.unknowns = rig_unknowns(hypothesis.rig)
         self.grid = self.step * np.arange(1, POSITIONS + 1)
@@ -168,13 +167,18 @@ class _Search:
         laws = {place for run in runs for place in run.places if place is not None}
         grid = self.grid if channels else self.grid[1::2]
         positions = np.array(sorted({*grid.tolist(), *laws}))
-        lines = in_threads(self.jobs, lambda balance: balance.lines(positions.tolist(), channels=channels), balances)
-        return _Profile(tuple(runs), balances, positions, self.names, weigh(lines, self.jobs))
+        weighed = self.weighed(balances, positions.tolist(), channels=channels)
+        return _Profile(tuple(runs), balances, positions, self.names, weighed)
 
     def balances(self, runs: Sequence[BesideRun]) -> tuple[Balance, ...]:
         """Of each record, with draws of its own."""
         draws = np.random.default_rng(self.seed).spawn(len(runs))
-        return tuple(in_threads(self.jobs, lambda pair: Balance(*pair), list(zip(runs, draws, strict=True))))
+        return tuple(in_threads(self.evaluator.jobs, Balance, runs, draws))
+
+    def weighed(self, balances: Sequence[Balance], positions: Sequence[float], *, channels: bool = False) -> Weighed:
+        """A force at each of some positions, m, and a signal on each channel where those are asked for."""
+        lines = in_threads(self.evaluator.jobs, lambda balance: balance.lines(positions, channels=channels), balances)
+        return weigh(lines, self.evaluator.jobs)
 
     def finer(self, profile: _Profile, about: float, step: float) -> _Profile:
         """Of positions about one alone."""
@@ -185,9 +189,7 @@ class _Search:
             float(x) for x in grid if 0.0 < x <= self.grid[-1] + 1e-9 and all(abs(x - y) > 0.3 * step for y in near)
         }
         positions = sorted({*near, *inside})
-        lines = in_threads(self.jobs, lambda balance: balance.lines(positions, channels=False), profile.balances)
-        weighed = weigh(lines, self.jobs)
-        return replace(profile, positions=np.array(positions), weighed=weighed)
+        return replace(profile, positions=np.array(positions), weighed=self.weighed(profile.balances, positions))
 
     def place(self, first: _Profile) -> Located:
         """The most likely place, found with a force there unless a law acts there anyway."""
@@ -243,7 +245,7 @@ class _Search:
         """The interval with the places that the records, or the parts of one, tell each by itself."""
         lines = [balance.lines(last.positions.tolist(), channels=False) for balance in last.balances]
         parts = lines if len(lines) > 1 else lines[0].parted()
-        peaks = in_threads(self.jobs, lambda part: replace(last, weighed=weigh([part])).peak()[0], parts)
+        peaks = in_threads(self.evaluator.jobs, lambda part: replace(last, weighed=weigh([part])).peak()[0], parts)
         spread = float(np.sqrt(np.mean((np.array(peaks) - place) ** 2)))
         return min(interval[0], place - spread), max(interval[1], place + spread)
 
@@ -252,7 +254,7 @@ class _Search:
         n = len(first.positions)
         name = self.names[int(np.argmax(first.weighed.evidence[n:]))]
         others = self.balances(runs_beside(self.evaluator, self.hypothesis, unheard=name))
-        nothing = weigh([balance.lines(self.grid[-1:].tolist(), channels=False) for balance in others]).nothing
+        nothing = self.weighed(others, self.grid[-1:].tolist()).nothing
         left = float(np.sqrt(nothing * len(self.names) / (len(self.names) - 1)))
         enough, share = _is_enough(first.weighed.nothing, left), float(_share(first.weighed.nothing, left**2))
         found = replace(_nothing(first), left=left, sensor=name, share=share, enough=enough)

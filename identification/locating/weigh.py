@@ -60,9 +60,8 @@ def weigh(records: Sequence[Lines], jobs: int = 1) -> Weighed:
     n_ways = records[0].ways.shape[2]
     bare = _solved([part.normal for part in parts], at)
     nothing = sum(part.chi2(x) for part, x in zip(parts, bare, strict=True))
-    alone = [(part, np.repeat(x, n_ways, axis=0)) for part, x in zip(parts, bare, strict=True)]
-    common = _solved(in_threads(jobs, _freed, alone), at)
-    found = in_threads(jobs, _shared, list(zip(parts, common, strict=True)))
+    common = _solved(in_threads(jobs, _Way.beside, parts, [np.repeat(x, n_ways, axis=0) for x in bare]), at)
+    found = in_threads(jobs, _Way.shares, parts, common)
     last = [(part, x, share) for part, x, (_, share) in zip(parts, common, found, strict=True)]
     chi2 = sum(part.chi2(x) for part, x, _ in last)
     taken = sum(np.sum((2.0 - share) * share * np.abs(part.seen(x)) ** 2, axis=0) for part, x, share in last)
@@ -118,6 +117,11 @@ class _Way:
             n.append(self.normal.n[0] - rows.T @ rows)
         return _Normal(np.array(b), np.array(n))
 
+    def beside(self, x: FloatArray) -> _Normal:
+        """The normal equations without what each way takes beside given common factors."""
+        _, share = self.shares(x)
+        return self.freed(share)
+
     def shares(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """(n_ways,) gain of log evidence at common factors, and (lines, n_ways) share of the way that is told."""
         power = np.abs(self.seen(x)) ** 2
@@ -127,18 +131,6 @@ class _Way:
             best, share[first:last] = _weighed_band(power[first:last], self.size[first:last] ** 2)
             gain += best
         return gain, share
-
-
-def _shared(at: tuple[_Way, FloatArray]) -> tuple[FloatArray, FloatArray]:
-    part, x = at
-    return part.shares(x)
-
-
-def _freed(at: tuple[_Way, FloatArray]) -> _Normal:
-    """The normal equations without what each way takes beside given common factors."""
-    part, x = at
-    _, share = part.shares(x)
-    return part.freed(share)
 
 
 def _weighed_band(power: FloatArray, size: FloatArray) -> tuple[FloatArray, FloatArray]:
