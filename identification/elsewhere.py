@@ -9,7 +9,7 @@ from dataclasses import replace
 from identification.evaluate import Evaluator
 from identification.fit import Fit
 from identification.hypothesis import free_place
-from identification.in_its_place import RULED_OUT, against, refit, seen_at, without_last
+from identification.in_its_place import RULED_OUT, Leader, against, refit, seen_at, without_last
 from identification.in_step import tried_with
 from identification.scene import valley
 from models.effects import Registry
@@ -35,9 +35,9 @@ def elsewhere(fitting: Evaluator, base: Fit, found: Fit, registry: Registry, n_e
     beside = replace(base, hypothesis=bare)
     seen = seen_at(None, fitting, base, bare, {effect.kind: registry[effect.kind]}, OTHER_PLACES + 1)
     others = [s.effect for s in seen if not _is_near(s.effect.place.position, effect.place.position, valley(bare.rig))]
-    fits = []
+    leader, fits = Leader(found, fitting), []
     for other in others[:OTHER_PLACES]:
-        first, farther = against(found, fitting, beside, tried_with(fitting, bare, other))
+        first, farther = against(leader, beside, tried_with(fitting, bare, other))
         if first is None or farther > RULED_OUT:
             continue
         result = refit(fitting, base, first.hypothesis)

@@ -293,7 +293,15 @@ class TimeTarget:
         """With what drives it larger by this share."""
         if self.driven.excitation is None:
             return self
-        return replace(self, driven=replace(self.driven, excitation=self.driven.excitation * (1.0 + share)))
+        return self.driven_by(replace(self.driven, excitation=self.driven.excitation * (1.0 + share)))
+
+    def driven_by(self, driven: Record) -> Self:
+        """The same under another excitation, to be simulated: noise carried into it, most of what is sent, is left out.
+
+        Args:
+            driven: of the same sensors and samples.
+        """
+        return replace(self, driven=driven, carried=np.empty((0, 0, 0)))
 
     def response(self, hypothesis: Hypothesis, settings: Settings, plant: Plant | None = None) -> Response:
         """What the model says of the record, and of what came after it where the test went on."""
@@ -566,7 +574,7 @@ def carry_noise(
     clean = evaluator.with_targets(noisy).responses(hypothesis)
     changes: dict[str, list[FloatArray]] = {target.record.name: [] for target in noisy}
     for _ in range(realisations):
-        disturbed = [replace(t, driven=shaken(t.driven, t.noise.excitation, rng)) for t in noisy]
+        disturbed = [t.driven_by(shaken(t.driven, t.noise.excitation, rng)) for t in noisy]
         moved = evaluator.with_targets(disturbed).responses(hypothesis)
         for target, one, other in zip(noisy, clean, moved, strict=True):
             changes[target.record.name].append((other.channels - one.channels)[:, : target.record.n_samples])

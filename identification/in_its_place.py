@@ -5,7 +5,8 @@ followed only where they come near.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from math import inf
 
 import numpy as np
@@ -76,22 +77,49 @@ MOST_SEEN = 6
 """Kinds tried in an effect's place because they show there."""
 
 
-def against(leader: Fit, fitting: Evaluator, base: Fit, found: Hypothesis) -> tuple[Fit | None, float]:
+@dataclass(frozen=True, eq=False)
+class Leader:
+    """A fit that others are held against on the beginning of its records.
+
+    Attributes:
+        fit: of the records.
+        fitting: they themselves.
+    """
+
+    fit: Fit
+    fitting: Evaluator
+
+    @cached_property
+    def there(self) -> Fit:
+        """Its model on the beginning, with the slopes there."""
+        return fit(self.window, self.fit.hypothesis, self.fit.unknowns, max_iterations=0)
+
+    @cached_property
+    def window(self) -> Evaluator:
+        """The beginning."""
+        return self.fitting if self.fitting.at_rest else beginning(self.fitting, *REFIT_WINDOWS[0])
+
+
+def against(leader: Leader, base: Fit, found: Hypothesis) -> tuple[Fit | None, float]:
     """A model fitted on the beginning, and how many times as far off as the leader it is there.
 
     It is fitted with the leader's slopes: whatever comes as near to the records has nearly the same.
     """
-    window = fitting if fitting.at_rest else beginning(fitting, *REFIT_WINDOWS[0])
-    there = fit(window, leader.hypothesis, leader.unknowns, max_iterations=0)
     unknowns = (*base.unknowns, *own_unknowns(found))
-    slopes = there.jacobian[: len(base.unknowns)]
+    slopes = leader.there.jacobian[: len(base.unknowns)]
     try:
         first = fit(
-            window, found, unknowns, max_iterations=ITERATIONS_AGAINST, jacobian=slopes, keep=True, tolerance=TOLERANCE
+            leader.window,
+            found,
+            unknowns,
+            max_iterations=ITERATIONS_AGAINST,
+            jacobian=slopes,
+            keep=True,
+            tolerance=TOLERANCE,
         )
     except ArithmeticError:
         return None, inf
-    return first, first.ratio / there.ratio
+    return first, first.ratio / leader.there.ratio
 
 
 ITERATIONS_AGAINST = 8
@@ -222,14 +250,14 @@ def begun_at_leader(
     A kind of which a row explains as much as the first is left out; one that is merely near may have been stopped in a
     valley beside its own, or at another place.
     """
-    leader, rows = ranked[0].fit, []
-    bare, scale = without_last(leader.hypothesis), misfit_of(leader)
-    as_good = [row.effect for row in ranked if log_fit(leader, scale) - log_fit(row.fit, scale) < LEAST_EVIDENCE]
+    leader, rows = Leader(ranked[0].fit, fitting), []
+    bare, scale = without_last(leader.fit.hypothesis), misfit_of(leader.fit)
+    as_good = [row.effect for row in ranked if log_fit(leader.fit, scale) - log_fit(row.fit, scale) < LEAST_EVIDENCE]
     for effect in effects:
         if any(other.kind == effect.kind and _may_be_one(other.place, effect.place) for other in as_good):
             continue
         start = tried_with(fitting, replace(bare, values=values or bare.values), effect)
-        first, farther = against(leader, fitting, base, _sized(fitting, start))
+        first, farther = against(leader, base, _sized(fitting, start))
         if first is None or farther > RULED_OUT:
             continue
         begun = replace(bare, values=first.hypothesis.values).with_effects(first.hypothesis.effects[-1])

@@ -10,12 +10,12 @@ from dataclasses import replace
 import numpy as np
 from scipy import fft
 
-from identification.evaluate import Evaluator, Target, TimeTarget, shaken, whitened
+from identification.evaluate import Evaluator, Target, TimeTarget
 from identification.fit import Fit, fit, newton_step, prior_of
 from identification.hypothesis import Hypothesis, at_coordinates, coordinates
+from identification.noise_changes import changes_by_noise
 from identification.scatter import widening
 from models.arrays import FloatArray
-from models.errors import DivergenceError
 from models.simulate import Settings
 
 FINER = 4
@@ -155,7 +155,7 @@ def _with_even_noise(evaluator: Evaluator, rng: np.random.Generator) -> Evaluato
         n = target.driven.n_samples
         turns = np.exp(2j * np.pi * rng.random(n // 2 + 1))
         noise = fft.irfft(target.noise.excitation * turns, n, norm="ortho")
-        return replace(target, driven=replace(target.driven, excitation=target.driven.excitation + noise))
+        return target.driven_by(replace(target.driven, excitation=target.driven.excitation + noise))
 
     return evaluator.with_targets([one(target) for target in evaluator.targets])
 
@@ -171,21 +171,11 @@ def _covariance(evaluator: Evaluator, found: Fit, rng: np.random.Generator) -> F
             continue
         own = target.with_noise(target.noise).density / target.density
         shares.append(np.repeat(np.minimum(own, 1.0).ravel(), 2))
-        realisations += [part @ change for change in _carried(evaluator, target, found, rng)]
+        changes = changes_by_noise(evaluator, target, found.hypothesis, rng, REALISATIONS)
+        realisations += [part @ change for change in changes]
     if not realisations:
         return found.covariance
     prior = np.diag(prior_of(found.unknowns))
     score = (found.jacobian * np.concatenate(shares)) @ found.jacobian.T + prior
     score += sum(np.outer(r, r) for r in realisations) / REALISATIONS
     return np.asarray(found.covariance @ score @ found.covariance)
-
-
-def _carried(evaluator: Evaluator, target: TimeTarget, found: Fit, rng: np.random.Generator) -> list[FloatArray]:
-    """(n_data,) change of the residual by each realisation of the excitation's noise."""
-    sigma = target.noise.excitation
-    disturbed = [replace(target, driven=shaken(target.driven, sigma, rng)) for _ in range(REALISATIONS)]
-    try:
-        clean, *others = evaluator.with_targets([target, *disturbed]).responses(found.hypothesis)
-    except DivergenceError:
-        return []
-    return [whitened(target.spectrum(other.channels - clean.channels), target) for other in others]

@@ -11,6 +11,7 @@ from identification.fit import Fit, fit
 from identification.in_its_place import (
     EXPLAINED,
     RULED_OUT,
+    Leader,
     against,
     refit_sketched,
     settled_apart,
@@ -155,7 +156,7 @@ def finals(
     finalists = [sketch for sketch in best if not any(is_alike(sketch.fit, row.fit) for row in known)]
     ranked: list[Ranked] = []
     beaten: list[tuple[Fit, float]] = []
-    leader: tuple[Sketch, Fit] | None = None
+    leader: tuple[Sketch, Leader] | None = None
     for sketch in finalists:
         if leader is not None and _is_out(sketch, leader[0]):
             beaten.append((sketch.fit, max(sketch.fit.ratio / leader[0].fit.ratio, RULED_OUT)))
@@ -163,7 +164,7 @@ def finals(
         progress(f"refitting {sketch.effect.label()} with all numbers on {fitting.extent}")
         found = sketch.fit.hypothesis
         if leader is not None:
-            first, farther = against(leader[1], fitting, base, found)
+            first, farther = against(leader[1], base, found)
             if first is not None and farther > RULED_OUT:
                 beaten.append((first, farther))
             if first is None or farther > RULED_OUT:
@@ -172,8 +173,8 @@ def finals(
         result = refit_sketched(fitting, base, found)
         if result is not None:
             ranked.append(Ranked.of(result, sketch=sketch.fit))
-            if _leads(result, sketch) and (leader is None or result.ratio < leader[1].ratio):
-                leader = (sketch, result)
+            if _leads(result, sketch) and (leader is None or result.ratio < leader[1].fit.ratio):
+                leader = (sketch, Leader(result, fitting))
     ordered = with_others_there(fitting, base, with_evidence(ranked), registry, progress)
     for fit_there, farther in beaten:
         behind = 0.5 * (farther**2 - 1.0) * ordered[0].fit.chi2 / misfit_in_common(ordered)

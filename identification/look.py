@@ -80,7 +80,7 @@ def beside(view: View, base: Fit, progress: Progress) -> list[Sketch]:
     (share, seconds), bare = telling
     short = beginning(evaluator, share, seconds)
     found = survey(short, bare, registry, progress, channels=view.channels, lines=view.lines)
-    seen = promising(found, PER_KIND, valley(start.rig))
+    seen = worth_a_sketch(promising(found, PER_KIND, valley(start.rig)))
     progress(f"sketching {len(seen)} suspects on the beginning of the records, the best of them on {evaluator.extent}")
     schedule = [(*window, MOST_LONG_SKETCHES) for window in _ever_longer(evaluator, share, seconds)]
     return heats(evaluator, start, base, [suspect.effect for suspect in seen], registry, schedule, near=True)
@@ -112,10 +112,10 @@ def afar(view: View, base: Fit, progress: Progress) -> list[Sketch]:
     start = afresh(base.hypothesis)
     short = beginning(view.evaluator, *HEATS[0][:2])
     bare = fit(short, start, concerning(base, short), max_iterations=0)
-    seen = survey(short, bare, view.registry, progress, channels=view.channels, lines=view.lines)
-    found = promising(seen, PER_KIND, valley(start.rig))
-    progress(f"sketching {len(found)} suspects on the beginning of the records")
-    return heats(view.evaluator, start, base, [suspect.effect for suspect in found], view.registry)
+    found = survey(short, bare, view.registry, progress, channels=view.channels, lines=view.lines)
+    seen = worth_a_sketch(promising(found, PER_KIND, valley(start.rig)))
+    progress(f"sketching {len(seen)} suspects on the beginning of the records")
+    return heats(view.evaluator, start, base, [suspect.effect for suspect in seen], view.registry)
 
 
 def _telling(evaluator: Evaluator, start: Hypothesis, base: Fit) -> tuple[tuple[float, float], Fit] | None:
@@ -139,6 +139,23 @@ TELLING_WINDOWS: Windows = ((0.02, 0.4), (0.1, 0.75), (0.2, 1.5))
 
 TELLING = 1.3
 """Residual over noise that tells effects apart."""
+
+
+def worth_a_sketch(suspects: Sequence[Suspect]) -> list[Suspect]:
+    """Those that took away more than next to nothing, at one of the sizes they were surveyed at, of what the best did.
+
+    Beside numbers that are off, what is missing took a quarter of that at least; half of all suspects took nothing, or
+    made matters worse at every size.
+
+    Args:
+        suspects: the best first, with what they took away.
+    """
+    least = NEXT_TO_NOTHING * suspects[0].gain if suspects else 0.0
+    return [suspect for suspect in suspects if suspect.gain >= least] if least > 0.0 else list(suspects)
+
+
+NEXT_TO_NOTHING = 0.02
+"""Share of what the best suspect takes away; where none takes anything, all are sketched."""
 
 
 def first_of_each_kind(suspects: Sequence[Suspect]) -> list[Suspect]:

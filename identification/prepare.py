@@ -184,7 +184,7 @@ def horizons(evaluator: Evaluator, hypothesis: Hypothesis) -> list[Horizon]:
     disturbed = [(nearby, replace(hypothesis, starts=moved))]
     for sign in (1.0, -1.0):
         pairs = zip(evaluator.timed, pushes, strict=True)
-        disturbed.append(([replace(t, driven=_pushed(t.driven, push, sign)) for t, push in pairs], hypothesis))
+        disturbed.append(([t.driven_by(_pushed(t.driven, push, sign)) for t, push in pairs], hypothesis))
     runs += [evaluator.with_targets(targets).responses(model) for targets, model in disturbed if targets]
     return [
         _horizon(target, *(response.channels for response in responses))

@@ -143,7 +143,10 @@ def _where_it_shows(session: Session, searching: Evaluator, base: Fit, view: Vie
 
 
 def _recalibrated(session: Session, base: Fit, found: Fit) -> Fit | None:
-    """A calibration from the numbers found beside an effect, where that ends below the one so far; first by a look."""
+    """A calibration from the numbers found beside an effect, where that ends below the one so far.
+
+    It is looked where it goes first, and followed to its end, which takes longest, only where it is far enough below.
+    """
     if base.hypothesis.effects:
         return None
     without, slopes = replace(found.hypothesis, effects=()), found.jacobian[: len(base.unknowns)]
@@ -153,10 +156,17 @@ def _recalibrated(session: Session, base: Fit, found: Fit) -> Fit | None:
         )
         if look.cost > WORTH_MORE * base.cost:
             return None
-        again = fit(session.fitting, look.hypothesis, base.unknowns, precise=True, like=look)
+        again = fit(session.fitting, look.hypothesis, base.unknowns, like=look)
+        if not _is_below(again, base):
+            return None
+        return fit(session.fitting, again.hypothesis, base.unknowns, jacobian=again.jacobian, precise=True)
     except ArithmeticError:  # beside the effect the numbers may have gone where nothing stands without it
         return None
-    return again if base.cost - again.cost > max(100.0, 0.02 * base.cost) else None
+
+
+def _is_below(again: Fit, base: Fit) -> bool:
+    """Whether another calibration ends so far below the one so far that it matters."""
+    return base.cost - again.cost > max(100.0, 0.02 * base.cost)
 
 
 WORTH_MORE = 1.2

@@ -143,11 +143,7 @@ Seen = tuple[Effect, Suspect, float]
 
 
 def _looked_at(
-    seen: Callable[[Sequence[Effect]], Iterator[Seen]],
-    trials: Sequence[Effect],
-    left: float,
-    progress: Progress,
-    again: Collection[Effect] | None = None,
+    seen: Callable[[Sequence[Effect]], Iterator[Seen]], trials: Sequence[Effect], left: float, progress: Progress
 ) -> list[Suspect]:
     """The trials, and those that change far more than is left once more, as large as that.
 
@@ -156,15 +152,18 @@ def _looked_at(
         trials: to be looked at.
         left: chi-square.
         progress: told how many follow.
-        again: trials that are made smaller where they change too much; None for all.
     """
     looked = list(seen(trials))
-    far = [(trial, change) for trial, _, change in looked if 0.0 < left < SMALL_ENOUGH**2 * change]
-    wanted = [(trial, trial.scaled(float(np.sqrt(left / by)))) for trial, by in far if again is None or trial in again]
+    wanted = [(trial, trial.scaled(float(np.sqrt(left / by)))) for trial, _, by in looked if _is_far(by, left)]
     smaller = [less for trial, less in wanted if less != trial]
     if smaller:
         progress(f"trying {len(smaller)} again, as large as what is left")
     return [suspect for _, suspect, _ in [*looked, *seen(smaller)]]
+
+
+def _is_far(change: float, left: float) -> bool:
+    """Whether a trial changes the response by far more than is left, both squared."""
+    return 0.0 < left < SMALL_ENOUGH**2 * change
 
 
 SMALL_ENOUGH = 0.3
@@ -184,11 +183,11 @@ def survey(
     channels: Collection[Place] | None = None,
     lines: Lines | None = None,
 ) -> list[Suspect]:
-    """Every kind at every place at many sizes, none taken to act in proportion, the most promising first.
+    """Every kind at every place at every size, none taken to act in proportion, the most promising first.
 
     For records so short that they can be simulated a thousand times, and misfits so large that nothing is linear but
-    what the rig's numbers do. A trial that at the least of its sizes changes the response by far more than is left is
-    tried as large as what is left, too.
+    what the rig's numbers do. A trial that changes the response by far more than is left is tried as large as what is
+    left, too; then sizes about the best of every kind at its best places.
 
     Args:
         evaluator: the beginning of the records.
@@ -207,16 +206,24 @@ def survey(
             yield trial, Suspect(trial, projection.misfit - projection.left_of(row)), float(change @ change)
 
     trials = _trials(evaluator, start, registry, near, channels, lines)
-    ladder = [size for row in trials.values() for size in _ladder(row)]
-    least = {less for row in trials.values() for trial in row if (less := trial.scaled(BETWEEN[0])) != trial}
-    progress(f"surveying {len(registry)} kinds of effect at every place: {len(ladder)} trials")
-    return sorted(_looked_at(seen, ladder, projection.misfit, progress, least), key=lambda suspect: -suspect.gain)
+    sizes = [trial for row in trials.values() for trial in row]
+    progress(f"surveying {len(registry)} kinds of effect at every place: {len(sizes)} trials")
+    suspects = _looked_at(seen, sizes, projection.misfit, progress)
+    best = promising(sorted(suspects, key=lambda suspect: -suspect.gain), PLACES_TO_SIZE)
+    about = [size for suspect in best for size in _sizes_about(suspect.effect)]
+    progress(f"trying {len(about)} sizes about the best of every kind")
+    suspects += [suspect for _, suspect, _ in seen(about)]
+    return sorted(suspects, key=lambda suspect: -suspect.gain)
 
 
-def _ladder(trials: Sequence[Effect]) -> list[Effect]:
-    """The trials and sizes between them, without those that come out alike."""
-    sizes = [trial.scaled(factor) for trial in trials for factor in BETWEEN]
-    return list(dict.fromkeys(sizes))
+PLACES_TO_SIZE = 4
+"""Places of each kind at which sizes about the best one are tried."""
+
+
+def _sizes_about(effect: Effect) -> list[Effect]:
+    """A third of a decade smaller and larger, where that is another."""
+    sizes = [effect.scaled(factor) for factor in BETWEEN]
+    return [size for size in dict.fromkeys(sizes) if size != effect]
 
 
 BETWEEN = (0.46, 1.0, 2.15)

@@ -5,7 +5,6 @@ tells. So the combination is formed of realisations of that noise too, as the mo
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import cached_property
 from math import inf
 
@@ -14,11 +13,11 @@ import numpy as np
 from identification.consistency.cells import Weighted
 from identification.consistency.finding import sigmas_of
 from identification.consistency.own_values import Parts
-from identification.evaluate import Evaluator, TimeTarget, shaken, whitened
+from identification.evaluate import Evaluator, TimeTarget
 from identification.fit import Fit
 from identification.hypothesis import Hypothesis
+from identification.noise_changes import changes_by_noise
 from models.arrays import FloatArray
-from models.errors import DivergenceError
 
 REALISATIONS = 24
 """Of the noise of each record's excitation."""
@@ -97,9 +96,9 @@ class Scatter:
         """(REALISATIONS, n_data) what the force's noise does to the weighted residual, one a record; or (0, n_data)."""
         rows = []
         for record in self.data:
-            target = record.target
-            is_noisy = isinstance(target, TimeTarget) and target.noise.excitation > 0
-            changes = self._changes(target) if isinstance(target, TimeTarget) and is_noisy else []
+            target, changes = record.target, list[FloatArray]()
+            if isinstance(target, TimeTarget) and target.noise.excitation > 0:
+                changes = changes_by_noise(self.evaluator, target, self.hypothesis, self.rng, REALISATIONS)
             rows.append(np.stack(changes) * record.shared if changes else np.empty((0, target.n_data)))
         return rows
 
@@ -116,12 +115,3 @@ class Scatter:
                 steps = (changes / record.shared) @ found.jacobian[:, start:end].T @ found.covariance
                 variance += np.mean(steps**2, axis=0)
         return np.asarray(np.sqrt(variance))
-
-    def _changes(self, target: TimeTarget) -> list[FloatArray]:
-        sigma = target.noise.excitation
-        disturbed = [replace(target, driven=shaken(target.driven, sigma, self.rng)) for _ in range(REALISATIONS)]
-        try:
-            clean, *others = self.evaluator.with_targets([target, *disturbed]).responses(self.hypothesis)
-        except DivergenceError:
-            return []
-        return [whitened(target.spectrum(other.channels - clean.channels), target) for other in others]

@@ -166,7 +166,7 @@ def _louder(records: Evaluator, factor: float) -> Evaluator:
     for target in records.timed:
         force = target.driven.excitation
         driven = replace(target.driven, excitation=None if force is None else factor * force)
-        louder.append(replace(target, driven=driven))
+        louder.append(target.driven_by(driven))
     return records.with_targets(louder)
 
 
