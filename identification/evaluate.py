@@ -6,6 +6,7 @@ Each process that works at them has met the records once.
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from math import ceil
 from typing import Any, Protocol, Self
 
 import numpy as np
@@ -143,18 +144,19 @@ class TimeTarget:
             return self.cut(more if more <= most else n_samples)
         return self.cut(fft.prev_fast_len(n_samples))
 
-    def later(self, first: int, name: str) -> Self:
+    def later(self, first: int, name: str, looked_back: float = 0.0) -> Self:
         """The record from a sample on, under another name, since it starts from another state.
 
         Args:
             first: sample.
             name: of what is left.
+            looked_back: s before a sample that its channels depend on: so much of the start is not judged either.
         """
         record, driven = (
             replace(samples_of(each, first, each.n_samples), name=name, moving_start=False)
             for each in (self.record, self.driven)
         )
-        return self._part(record, driven, self.carried[:, :, first:], AHEAD)
+        return self._part(record, driven, self.carried[:, :, first:], AHEAD + ceil(looked_back * self.record.fs))
 
     def _part(self, record: Record, driven: Record, carried: FloatArray, unjudged: int) -> Self:
         """A part of the record, with the noise that was carried into it."""

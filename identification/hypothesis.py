@@ -58,6 +58,11 @@ class Hypothesis:
     def _plant(self) -> Plant:
         return build_plant(self.updated_rig, self.effects, self.registry)
 
+    @property
+    def looks_back(self) -> float:
+        """Seconds of true motion before a sample that what is read then depends on."""
+        return max((effect.looks_back() for effect in self.plant().effects), default=0.0)
+
     def simulated(self, record: Record, settings: Settings, plant: Plant | None = None) -> Response:
         """The response to a record's excitation, less its offset, from the record's start.
 

@@ -66,7 +66,8 @@ def judge(
     late = instant is not None and instant.is_late  # where a drift has come to look like a step
     kinds = {} if instant is None else instant.registry
     ranked: list[Ranked] = []
-    for number, look in enumerate(looks_from(base)):
+    looks = looks_from(base) if instant is None or not instant.is_unbent else [beside, afar]
+    for number, look in enumerate(looks):
         if number > 0:
             progress("nothing seen so far reaches the noise; looking from elsewhere")
         if instant is not None and instant.is_late:

@@ -12,9 +12,8 @@ from identification.calibrate import Windows, beginning, concerning, put_back
 from identification.evaluate import Evaluator
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis
-from identification.lines import Lines, lines_left
 from identification.progress import Progress
-from identification.scene import valley
+from identification.scene import Longer, valley
 from identification.screen import Projection, Suspect, promising, screen, survey
 from identification.sketch import HEATS, Sketch, afresh, ground_of, heats, sketched_from_calibrated
 from models.effects import Place, Registry
@@ -36,6 +35,7 @@ class View:
         registry: kinds to look for.
         channels: on which effects may sit (``scene.places_of``).
         is_late: the records begin where a misfit does (``onset``), or are pieces of others.
+        is_unbent: ``there`` is what all channels but the suspected ones tell, which these have bent in the calibration.
     """
 
     evaluator: Evaluator
@@ -43,6 +43,7 @@ class View:
     registry: Registry
     channels: tuple[Place, ...] | None = None
     is_late: bool = False
+    is_unbent: bool = False
 
     @property
     def is_lasting(self) -> bool:
@@ -50,9 +51,9 @@ class View:
         return any(kind.family == "time" for kind in self.registry.values())
 
     @cached_property
-    def lines(self) -> Lines:
-        """Single lines that the calibrated model leaves in these seconds; their beginning would not tell them apart."""
-        return lines_left(self.evaluator, self.there.hypothesis)
+    def told(self) -> Longer:
+        """What these seconds tell beside the model there, and their beginning does not."""
+        return Longer.told_by(self.evaluator, self.there.hypothesis)
 
 
 def beside(view: View, base: Fit, progress: Progress) -> list[Sketch]:
@@ -79,7 +80,7 @@ def beside(view: View, base: Fit, progress: Progress) -> list[Sketch]:
         return sketched_from_calibrated(evaluator, there, starts, effects, registry, lasting=view.is_lasting)
     (share, seconds), bare = telling
     short = beginning(evaluator, share, seconds)
-    found = survey(short, bare, registry, progress, channels=view.channels, lines=view.lines)
+    found = survey(short, bare, registry, progress, channels=view.channels, longer=view.told)
     seen = worth_a_sketch(promising(found, PER_KIND, valley(start.rig)))
     progress(f"sketching {len(seen)} suspects on the beginning of the records, the best of them on {evaluator.extent}")
     schedule = [(*window, MOST_LONG_SKETCHES) for window in _ever_longer(evaluator, share, seconds)]
@@ -112,7 +113,7 @@ def afar(view: View, base: Fit, progress: Progress) -> list[Sketch]:
     start = afresh(base.hypothesis)
     short = beginning(view.evaluator, *HEATS[0][:2])
     bare = fit(short, start, concerning(base, short), max_iterations=0)
-    found = survey(short, bare, view.registry, progress, channels=view.channels, lines=view.lines)
+    found = survey(short, bare, view.registry, progress, channels=view.channels, longer=view.told)
     seen = worth_a_sketch(promising(found, PER_KIND, valley(start.rig)))
     progress(f"sketching {len(seen)} suspects on the beginning of the records")
     return heats(view.evaluator, start, base, [suspect.effect for suspect in seen], view.registry)

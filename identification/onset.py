@@ -73,7 +73,7 @@ def onset_of(
     moved, motions, offsets = [], {}, dict(hypothesis.offsets)
     for target, limit, first in begun:
         seconds = first / target.record.fs
-        part = target.later(first, f"{target.record.name} from {seconds:.2f} s")
+        part = target.later(first, f"{target.record.name} from {seconds:.2f} s", hypothesis.looks_back)
         name = part.record.name
         motions[name] = hypothesis.motion_at(target.driven, first, evaluator.settings)
         offsets[name] = hypothesis.offsets.get(target.record.name, 0.0)

@@ -6,7 +6,7 @@ from math import ceil
 
 import numpy as np
 
-from identification.evaluate import Evaluator, TimeTarget
+from identification.evaluate import AHEAD, Evaluator, TimeTarget
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, StartUnknown
 from identification.prepare import start_unknowns
@@ -52,12 +52,18 @@ def start_sought(evaluator: Evaluator, hypothesis: Hypothesis, part: TimeTarget,
     Raises:
         ArithmeticError: the motion from there leaves the finite numbers.
     """
-    search, bare = _Search.of(evaluator, hypothesis, part, motion), part.with_noise(part.noise)
+    search, bare = _Search.of(evaluator, hypothesis, part, motion), _in_time(part.with_noise(part.noise), hypothesis)
     n, there = SHORTEST, search.hypothesis
     while n < part.record.n_samples:
         there = search.fitted(bare.cut(n, min(bare.unjudged, n // 2)), there, SOUGHT)
         n = ceil(GROWING * n)
     return search.start_of(search.fitted(bare, there, SOUGHT))
+
+
+def _in_time(part: TimeTarget, hypothesis: Hypothesis) -> TimeTarget:
+    """The channels that tell of the first samples: a late one tells of what was before."""
+    late = {e.place.sensor for e in hypothesis.plant().effects if e.looks_back() * part.record.fs > AHEAD}
+    return part.only([name for name in part.record.sensors if name not in late])
 
 
 def start_near(evaluator: Evaluator, hypothesis: Hypothesis, part: TimeTarget, motion: Motion) -> PieceStart:

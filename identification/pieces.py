@@ -37,6 +37,9 @@ SECONDS = 1.0
 IN_ALL = 12.0
 """Seconds in pieces, of all records together, one of each at least: a search in them takes some minutes."""
 
+LATEST = 0.5
+"""Share of a piece that a channel may be late by: so much of all its channels is not judged."""
+
 LOUDEST = 0.15
 """Noise, as a share of the motion, up to which a piece is used: beyond, it is not in proportion to the force's."""
 
@@ -123,7 +126,7 @@ def pieces_of(
         if limit.seconds < least * target.record.duration and SECONDS * target.record.fs >= MIN_SAMPLES
     ]
     # Where displacements are measured from a start in motion, the force's zero is unknown with it.
-    if not torn or hypothesis.offsets or not goes_on(hypothesis):
+    if not torn or hypothesis.offsets or not goes_on(hypothesis) or hypothesis.looks_back > LATEST * SECONDS:
         return ()
     model, most = replace(hypothesis, motions={}), max(1, int(IN_ALL / SECONDS / len(torn)))
     rows = in_parallel(evaluator.jobs, partial(_pieces_from, evaluator.with_jobs(1), model, most), torn)
@@ -154,12 +157,12 @@ def most_missed(evaluator: Evaluator, base: Fit, seconds: float) -> list[Piece]:
 def _pieces_from(evaluator: Evaluator, hypothesis: Hypothesis, most: int, torn: tuple[TimeTarget, int]) -> list[Piece]:
     """The next pieces of a record from a sample on, each begun where the one before it leads to, until one is lost."""
     target, first = torn
-    fs, n = target.record.fs, round(SECONDS * target.record.fs)
+    fs, n, back = target.record.fs, round(SECONDS * target.record.fs), hypothesis.looks_back
     found: list[Piece] = []
     motion = hypothesis.motion_at(target.driven, first, evaluator.settings)
     last = min(target.record.n_samples, first + most * n)
     for begin, end in pairwise(range(first, last + 1, n)):
-        later = replace(target.later(begin, f"{target.record.name} from {begin / fs:.2f} s"), ran=begin / fs)
+        later = replace(target.later(begin, f"{target.record.name} from {begin / fs:.2f} s", back), ran=begin / fs)
         part = later.cut(end - begin)
         try:
             start = start_sought(evaluator, hypothesis, part, motion)

@@ -12,11 +12,11 @@ from identification.evidence import (
     reranked,
     reweighed,
 )
-from identification.faults import suspicion
+from identification.faults import LARGE, suspicion
 from identification.fit import LOOK, LOOK_TOLERANCE, Fit, fit
 from identification.followed_again import explains_its_own
 from identification.hypothesis import Hypothesis
-from identification.in_its_place import with_others_there
+from identification.in_its_place import EXPLAINED, with_others_there
 from identification.judge import judge, restarted
 from identification.look import View
 from identification.onset import goes_on, onset_of
@@ -47,7 +47,7 @@ def look_round(session: Session, base: Fit) -> tuple[list[Ranked], Fit | None]:
     ranked: list[Ranked] = []
     if suspected:
         session.decide(suspected.words)
-        faults = replace(first, registry=suspected.kinds(instant), channels=suspected.channels)
+        faults = _unbent(replace(first, registry=suspected.kinds(instant), channels=suspected.channels), base)
         ranked = carried_through(session, judge([faults], session.fitting, base, session.progress))
         first = replace(first, channels=suspected.beside(base.hypothesis.rig))
     # One mode that is damped less is louder in all channels, too: a force is held against all physics.
@@ -97,6 +97,29 @@ def _fitted_there(view: View, base: Fit) -> Fit:
         except ArithmeticError:
             continue
     return min(found, key=lambda each: each.cost)
+
+
+def _unbent(view: View, base: Fit) -> View:
+    """The view with the model that all channels but the suspected ones tell, where they tell one.
+
+    A channel at fault has bent the calibrated numbers. Where neighbouring motions part, such a model knows nothing of
+    the channel any more, and not how late it is.
+    """
+    suspected = [place.sensor for place in view.channels or () if place.sensor is not None and place.other is None]
+    if not suspected or view.there.ratio < LARGE:
+        return view
+    kept = [
+        target.only([name for name in target.record.sensors if name not in suspected])
+        for target in view.evaluator.timed
+        if not set(target.record.sensors) <= set(suspected)
+    ]
+    if not kept:
+        return view
+    told = _fitted_there(replace(view, evaluator=view.evaluator.with_targets(kept)), base)
+    if told.ratio > EXPLAINED:
+        return view
+    there = fit(view.evaluator, told.hypothesis, concerning(base, view.evaluator), max_iterations=0)
+    return replace(view, there=there, is_unbent=True)
 
 
 def _in_pieces(session: Session, searching: Evaluator, base: Fit, view: View) -> View | None:

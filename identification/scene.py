@@ -2,12 +2,13 @@
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
 from identification.evaluate import Evaluator
 from identification.hypothesis import Hypothesis
-from identification.lag import lag
+from identification.lag import Lag, lag
 from identification.lines import Lines, lines_left
 from identification.rest_target import FrfTarget, ModesTarget
 from identification.together import loudness
@@ -120,8 +121,31 @@ def valley(rig: Rig) -> float:
     return 1.5 * rig.structure.length / GRID if isinstance(rig.structure, Beam) else 0.0
 
 
+@dataclass(frozen=True)
+class Longer:
+    """What longer records tell than those that are looked at, whose beginning does not.
+
+    Attributes:
+        lines: single ones that a model leaves.
+        lags: name of a sensor -> by how much its channel is late.
+    """
+
+    lines: Lines
+    lags: Mapping[str, Lag]
+
+    @classmethod
+    def told_by(cls, evaluator: Evaluator, hypothesis: Hypothesis) -> Self:
+        """What records tell beside a model.
+
+        Args:
+            evaluator: with the records.
+            hypothesis: the model.
+        """
+        return cls(lines_left(evaluator, hypothesis), _lags(_heard(evaluator, hypothesis)))
+
+
 def scenes(
-    evaluator: Evaluator, hypothesis: Hypothesis, places: Collection[Place], lines: Lines | None = None
+    evaluator: Evaluator, hypothesis: Hypothesis, places: Collection[Place], longer: Longer | None = None
 ) -> dict[Place, Scene]:
     """The scene at every place, from the motion that the hypothesis predicts there.
 
@@ -132,7 +156,7 @@ def scenes(
         evaluator: records to simulate.
         hypothesis: the model so far.
         places: where.
-        lines: that a model leaves in longer records than these; read from these where none are given.
+        longer: what records tell that are longer than these; the lines are read from these where it is not given.
     """
     plant = hypothesis.plant()
     at = {place: _watched_at(place, plant) for place in places}
@@ -159,38 +183,41 @@ def scenes(
             )
         force = max(force, _force(record, response, response.channels[1::2]))
     duration = max(target.whole for target in evaluator.timed)
-    lines = lines_left(evaluator, hypothesis) if lines is None else lines
+    lines = lines_left(evaluator, hypothesis) if longer is None else longer.lines
     common = _common(response.model, force or 1.0, duration)
-    pairs = zip(evaluator.timed, evaluator.responses(hypothesis), strict=True)
-    heard = [(t.record, r.channels[:, : t.record.n_samples]) for t, r in pairs]
+    heard = _heard(evaluator, hypothesis)
     common = replace(common, lines=(lines.free + lines.driven)[:MOST_LINES], loudness=_loudness(heard))
     rest = _at_rest(response.model, positions)
     found = {place: _scene(place, common, plant, size[x], rest[x]) for place, x in at.items()}
-    return {place: replace(scene, lag=_lag_at(place, heard)) for place, scene in found.items()}
+    lags = _lags(heard)
+    if longer is not None:
+        lags = {name: max(own, longer.lags.get(name, own)) for name, own in lags.items()}
+    late = {Place(sensor=name): found.seconds for name, found in lags.items()}
+    return {place: replace(scene, lag=late.get(place, 0.0)) for place, scene in found.items()}
 
 
-def _loudness(heard: Sequence[tuple[Record, FloatArray]]) -> float:
-    """Rms of the measured channels over the model's, the median over all records; 1 where nothing moves.
+Heard = Sequence[tuple[Record, FloatArray]]
+"""Records, each with its (n, N) channels as predicted."""
 
-    Args:
-        heard: records, each with its (n, N) channels as predicted.
-    """
+
+def _heard(evaluator: Evaluator, hypothesis: Hypothesis) -> Heard:
+    pairs = zip(evaluator.timed, evaluator.responses(hypothesis), strict=True)
+    return [(t.record, r.channels[:, : t.record.n_samples]) for t, r in pairs]
+
+
+def _loudness(heard: Heard) -> float:
+    """Rms of the measured channels over the model's, the median over all records; 1 where nothing moves."""
     told = np.concatenate([loudness(record.responses, model) for record, model in heard])
     return float(np.median(told)) if len(told) else 1.0
 
 
-def _lag_at(place: Place, heard: Sequence[tuple[Record, FloatArray]]) -> float:
-    """By how much the channel of a sensor is late, s; 0 where the place is no single sensor.
-
-    Args:
-        place: any.
-        heard: records, each with its (n, N) channels as predicted.
-    """
-    name = place.sensor
-    if name is None or place.other is not None:
-        return 0.0
-    rows = [(record, model, record.sensors.index(name)) for record, model in heard if name in record.sensors]
-    return lag([(record.responses[k], model[k], record.fs) for record, model, k in rows])
+def _lags(heard: Heard) -> dict[str, Lag]:
+    """Name of a sensor -> by how much its channel is late."""
+    rows: dict[str, list[tuple[FloatArray, FloatArray, float]]] = {}
+    for record, model in heard:
+        for k, name in enumerate(record.sensors):
+            rows.setdefault(name, []).append((record.responses[k], model[k], record.fs))
+    return {name: lag(pairs) for name, pairs in rows.items()}
 
 
 def _watched_at(place: Place, plant: Plant) -> float | None:

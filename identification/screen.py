@@ -13,9 +13,8 @@ from identification.evaluate import Evaluator
 from identification.fit import Fit, prior_of
 from identification.hypothesis import Hypothesis
 from identification.in_step import tried_with
-from identification.lines import Lines
 from identification.progress import Progress
-from identification.scene import in_one_valley, is_same_place, places_near, places_of, scenes
+from identification.scene import Longer, in_one_valley, is_same_place, places_near, places_of, scenes
 from models.arrays import FloatArray
 from models.effects import Registry
 from models.effects.protocol import Effect, Place
@@ -181,7 +180,7 @@ def survey(
     progress: Progress,
     near: float | None = None,
     channels: Collection[Place] | None = None,
-    lines: Lines | None = None,
+    longer: Longer | None = None,
 ) -> list[Suspect]:
     """Every kind at every place at every size, none taken to act in proportion, the most promising first.
 
@@ -196,7 +195,7 @@ def survey(
         progress: told how many simulations are coming.
         near: only at this position along the beam, m, and at sleeves close to it.
         channels: on which effects may sit (``places_of``).
-        lines: single ones that are left in longer records than these, whose beginning cannot tell them apart.
+        longer: what records tell that are longer than these.
     """
     projection = Projection(start)
 
@@ -205,7 +204,7 @@ def survey(
             change = row - start.residual
             yield trial, Suspect(trial, projection.misfit - projection.left_of(row)), float(change @ change)
 
-    trials = _trials(evaluator, start, registry, near, channels, lines)
+    trials = _trials(evaluator, start, registry, near, channels, longer)
     sizes = [trial for row in trials.values() for trial in row]
     progress(f"surveying {len(registry)} kinds of effect at every place: {len(sizes)} trials")
     suspects = _looked_at(seen, sizes, projection.misfit, progress)
@@ -255,14 +254,14 @@ def _trials(
     registry: Registry,
     near: float | None = None,
     channels: Collection[Place] | None = None,
-    lines: Lines | None = None,
+    longer: Longer | None = None,
 ) -> dict[tuple[str, Place], list[Effect]]:
     """Trial effects by kind and place."""
     rig = base.hypothesis.rig
     kinds = [kind for kind in registry.values() if rig.structure.kind in kind.structures]
     places = {kind: places_of(kind, rig, channels) if near is None else places_near(kind, rig, near) for kind in kinds}
     wanted = {place for row in places.values() for place in row}
-    seen = scenes(evaluator, base.hypothesis, wanted, lines) if wanted else {}
+    seen = scenes(evaluator, base.hypothesis, wanted, longer) if wanted else {}
     parts = [part for effect in base.hypothesis.effects for part in effect.parts()]
     trials: dict[tuple[str, Place], list[Effect]] = {}
     for kind in kinds:

@@ -93,6 +93,7 @@ def heats(
     """
     starts = [tried_with(evaluator, start, effect) for effect in suspects]
     sketches: list[Sketch] = []
+    left_behind: list[Sketch] = []
     noise_reached = False
     first = beginning(evaluator, *schedule[0][:2])
     for number, (share, seconds, most) in enumerate(schedule):
@@ -108,8 +109,15 @@ def heats(
         if noise_reached:
             close = [sketch for sketch in sketches if sketch.share > FAR_BEHIND * sketches[0].share]
             sketches = sketches[: max(len(close), LEAST_LEFT)]
+            left_behind += [sketch for sketch in sketches if not _keeps_up(sketch, sketches[0])]
+            sketches = [sketch for sketch in sketches if _keeps_up(sketch, sketches[0])]
         starts = [sketch.fit.hypothesis for sketch in sketches]
-    return sketches
+    return [*sketches, *left_behind]
+
+
+def _keeps_up(sketch: Sketch, best: Sketch) -> bool:
+    """Whether a suspect may yet come to the noise on longer records, as the best one has on these."""
+    return sketch.fit.ratio <= TOO_FAR_OFF * best.fit.ratio
 
 
 REACHED = 1.1
@@ -121,6 +129,10 @@ FAR_BEHIND = 0.5
 
 LEAST_LEFT = 4
 """Suspects left by a heat at least, however far behind."""
+
+TOO_FAR_OFF = 2.0
+"""Times as far off as one that has reached the noise: what has taken so many steps and is still there is not sketched
+on longer records, where it would crawl for longer than all others took."""
 
 
 def afresh(model: Hypothesis) -> Hypothesis:

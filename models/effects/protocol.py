@@ -303,6 +303,10 @@ class Effect(ABC):
         """(n, N) the channels as read, from the true motion."""
         return channels
 
+    def looks_back(self) -> float:
+        """Seconds of true motion before a sample that what is read then depends on."""
+        return 0.0
+
     def base_acceleration(self, time: FloatArray, free: Mapping[str, float]) -> FloatArray | None:  # noqa: ARG002
         """(N,) an unmeasured acceleration of the base at ``time``, s from the record's start, m/s^2, or None."""
         return None

@@ -44,6 +44,10 @@ class SensorDelay(Effect):
         changed[row] = delayed(channels[row], self.delay * measurement.fs)
         return changed
 
+    def looks_back(self) -> float:
+        """By as much as it is late."""
+        return self.delay
+
     def in_words(self) -> str:
         """When it acts and what it does."""
         return (

@@ -39,7 +39,11 @@ def test_intervals_hold_the_truth_where_the_force_is_noisy():
 
 
 def test_noise_of_the_force_at_a_resonance_that_nothing_excites_pulls_no_number():
-    """Least squares takes numbers with which the model answers that noise least: too much damping."""
+    """Least squares takes numbers with which the model answers that noise least: too much damping.
+
+    Three realisations tell the scatter of what is taken back by two degrees of freedom: of several draws some lie four
+    of their own standard deviations from the truth, where without it they lie up to sixteen.
+    """
     rig = oscillator(freq=200.0, damping_ratio=0.02, damping=0.3, stiffness=0.01, mass=0.01)
     truth, far = Hypothesis(rig), []
     for seed in range(3):
@@ -48,12 +52,14 @@ def test_noise_of_the_force_at_a_resonance_that_nothing_excites_pulls_no_number(
         evaluator = evaluator.with_targets(carry_noise(evaluator, truth, np.random.default_rng(seed)))
         plain = fit(evaluator, truth, rig_unknowns(rig), precise=True)
 
-        found = corrected(evaluator, plain, np.random.default_rng(seed))
+        for draw in range(4):
+            found = corrected(evaluator, plain, np.random.default_rng(100 * draw + seed))
+            far.append((pulls(replace(plain, covariance=found.covariance), truth), pulls(found, truth)))
 
-        far.append((pulls(replace(plain, covariance=found.covariance), truth), pulls(found, truth)))
     before, after = np.sqrt(np.mean(np.square(far), axis=(0, 2)))
     assert before > 3.0
-    assert after < 1.7
+    assert after < 0.4 * before
+    assert np.median(np.abs([pull for _, pull in far])) < 2.0
 
 
 def test_coarse_steps_leave_no_trace_in_the_numbers():

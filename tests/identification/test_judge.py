@@ -88,9 +88,9 @@ def refits(monkeypatch):
         asked.append(effect.kind)
         return fit_of(effect, 1000.0 * ratios[effect.kind] ** 2)
 
-    def against(leader, fitting, base, found):
+    def against(leader, base, found):
         ratio = ratios[found.effects[-1].kind]
-        return fit_of(found.effects[-1], 1000.0 * ratio**2), ratio / leader.ratio
+        return fit_of(found.effects[-1], 1000.0 * ratio**2), ratio / leader.fit.ratio
 
     monkeypatch.setattr(in_its_place, "refit", refit)
     for module in (judging, in_its_place):

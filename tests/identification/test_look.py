@@ -8,7 +8,16 @@ from trial_records import REFERENCE, evaluator_of, measured, moved, multisine
 from identification.calibrate import beginning, calibrate, put_back, unknowns_of
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, rig_unknowns, with_own_number
-from identification.look import TELLING, TELLING_WINDOWS, View, _ever_longer, _telling, beside, first_of_each_kind
+from identification.look import (
+    TELLING,
+    TELLING_WINDOWS,
+    View,
+    _ever_longer,
+    _telling,
+    beside,
+    first_of_each_kind,
+    worth_a_sketch,
+)
 from identification.screen import Suspect
 from models.effects import EFFECTS, Place
 from models.effects.base_motion import BaseMotion
@@ -26,6 +35,18 @@ def test_the_best_place_of_every_kind_comes_before_the_second_of_any():
     suspects = [Suspect(here, 9.0), Suspect(there, 8.0), Suspect(friction, 1.0)]
 
     assert [s.effect for s in first_of_each_kind(suspects)] == [here, friction, there]
+
+
+def test_what_took_next_to_nothing_of_what_the_best_did_is_not_sketched():
+    here, there = (PointMass(Place(position=x), mass=0.1) for x in (0.7, 1.2))
+    friction = CoulombFriction(Place(sleeve="sleeve 1", position=0.45), 1.0, 1e-3)
+    gains = [(9.0, 0.3, -2.0), (-1.0, -2.0, -3.0), (0.0, -1.0, -1.0)]
+
+    rows = [[Suspect(e, g) for e, g in zip((here, friction, there), row, strict=True)] for row in gains]
+    kept = [len(worth_a_sketch(row)) for row in rows]
+
+    assert kept == [2, 3, 3]
+    assert worth_a_sketch([]) == []
 
 
 def test_numbers_at_the_end_of_their_tolerance_are_put_back_and_the_others_stay():
@@ -80,7 +101,7 @@ def test_a_shaking_floor_is_begun_at_the_line_that_the_whole_records_show():
 
     first = beside(view, base, SILENT)[0]
 
-    assert view.lines.free[0] == pytest.approx(71.34, abs=0.02)
+    assert view.told.lines.free[0] == pytest.approx(71.34, abs=0.02)
     assert first.effect.frequency == pytest.approx(71.34, abs=0.05)
 
 

@@ -7,7 +7,7 @@ import pytest
 from trial_records import FS, REFERENCE, evaluator_of, found_with, measured, multisine
 
 from identification.calibrate import beginning
-from identification.evaluate import TimeTarget, carry_noise
+from identification.evaluate import AHEAD, TimeTarget, carry_noise
 from identification.fit import fit
 from identification.followed_again import begin_again, explains_its_own, fails_in_pieces, go_on
 from identification.hypothesis import Hypothesis, rig_unknowns
@@ -18,6 +18,7 @@ from identification.session import Session
 from models.effects import EFFECTS, Place
 from models.effects.bouc_wen import BoucWen
 from models.effects.point_mass import PointMass
+from models.effects.sensor_delay import SensorDelay
 from models.effects.wear import Wear
 
 TRUTH = Hypothesis(REFERENCE)
@@ -56,6 +57,20 @@ def test_the_truth_leaves_the_noise_in_every_piece(evaluator, pieces):
     assert [piece.record.name for piece in pieces] == [f"test from {s:.2f} s" for s in (1.0, 2.0, 3.0)]
     assert all(piece.record.n_samples >= 0.9 * SECONDS * FS for piece in pieces)
     assert ratios(evaluator, pieces, TRUTH) == pytest.approx([1.0] * 3, abs=0.1)
+
+
+def test_a_channel_that_is_late_by_many_samples_is_met_in_pieces_too():
+    """At the start of a piece it tells of motion before that, which nobody has followed."""
+    late = SensorDelay(Place(sensor="P3"), delay=0.06)
+    truth = Hypothesis(REFERENCE, effects=(late,))
+    driven = evaluator_of(measured(truth, multisine(8192, rms=20.0), force_noise=0.005))
+
+    found = pieces_by(truth, driven)
+
+    assert len(found) == 3
+    assert ratios(driven, found, truth) == pytest.approx([1.0] * 3, abs=0.1)
+    assert {piece.unjudged for piece in found} == {AHEAD + round(0.06 * FS + 0.5)}
+    assert pieces_by(replace(truth, effects=(replace(late, delay=0.6 * SECONDS),)), driven) == ()
 
 
 def test_a_wrong_number_shows_though_the_starts_were_found_by_it(evaluator):

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 from trial_records import REFERENCE, evaluator_of, fit_of, measured, moved, multisine
 
+from identification import sketch as sketching
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, own_unknowns, rig_unknowns
 from identification.sketch import Sketch, apart, ground_of, grown_from_bare, heats, rivals, sketched
@@ -103,6 +104,27 @@ def test_heats_that_start_with_an_imitator_end_with_the_truth(greased):
     assert first.effect.place.sleeve == "sleeve 2"
     assert "point_damping" in {other.effect.kind for other in others}
     assert all(first.share >= other.share for other in others)
+
+
+def test_what_is_far_off_where_another_has_reached_the_noise_is_not_sketched_on_longer_records(greased, monkeypatch):
+    evaluator, base = greased
+    ratios = {"squeeze_film": 1.0, "point_damping": 1.9, "point_mass": 2.1}
+    asked = []
+
+    def fitted(ground, suspects, **_):
+        asked.append([suspect.effects[-1].kind for suspect in suspects])
+        ends = [(s.effects[-1], 1000.0 * ratios[s.effects[-1].kind] ** 2) for s in suspects]
+        return [Sketch(fit_of(GREASE, 1e5), fit_of(effect, cost), effect) for effect, cost in ends]
+
+    monkeypatch.setattr(sketching, "sketched", fitted)
+    monkeypatch.setattr(sketching, "rivals", lambda *_: [])
+
+    suspects = [GREASE, DASHPOT, PointMass(Place(position=1.0), mass=0.1)]
+    found = heats(evaluator, Hypothesis(REFERENCE), base, suspects, REGISTRY, [(0.3, 0.2, 8), (1.0, 0.0, 8)])
+
+    assert asked[0] == ["squeeze_film", "point_damping", "point_mass"]
+    assert asked[2] == ["squeeze_film", "point_damping"]
+    assert [sketch.effect.kind for sketch in found] == ["squeeze_film", "point_damping", "point_mass"]
 
 
 def test_two_sketches_that_ended_at_one_place_are_one():
