@@ -114,17 +114,17 @@ class TimeTarget:
         return replace(base, density=base.density + _density_of(carried), carried=carried)
 
     def cut(self, n_samples: int, unjudged: int | None = None) -> Self:
-        """The first samples only, and never the last ``AHEAD`` of a test.
+        """The first samples only, some of them judged, and never the last ``AHEAD`` of a test.
 
         Args:
             n_samples: that are kept.
             unjudged: of them, if not as many as of the whole.
         """
-        n = min(n_samples, self.driven.n_samples - AHEAD)
-        if n >= self.record.n_samples or n < AHEAD:
+        n, unjudged = min(n_samples, self.driven.n_samples - AHEAD), self.unjudged if unjudged is None else unjudged
+        if n >= self.record.n_samples or n < max(AHEAD, unjudged + 1):
             return self
         part = samples_of(self.record, 0, n), samples_of(self.driven, 0, n + AHEAD), self.carried[:, :, :n]
-        return self._part(*part, self.unjudged if unjudged is None else unjudged)
+        return self._part(*part, unjudged)
 
     def cut_quickly(self, n_samples: int, *, at_least: bool = False) -> Self:
         """The first samples, a per cent fewer (or more) where those have a quick transform; ``cut`` where all are kept.

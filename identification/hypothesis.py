@@ -58,10 +58,9 @@ class Hypothesis:
     def _plant(self) -> Plant:
         return build_plant(self.updated_rig, self.effects, self.registry)
 
-    @property
-    def looks_back(self) -> float:
-        """Seconds of true motion before a sample that what is read then depends on."""
-        return max((effect.looks_back() for effect in self.plant().effects), default=0.0)
+    def looks_back(self, sensors: Sequence[str]) -> float:
+        """Seconds of true motion before a sample that what these sensors read then depends on."""
+        return max((e.looks_back() for e in self.plant().effects if e.place.sensor in sensors), default=0.0)
 
     def simulated(self, record: Record, settings: Settings, plant: Plant | None = None) -> Response:
         """The response to a record's excitation, less its offset, from the record's start.

@@ -65,7 +65,8 @@ def onset_of(
         first = _first_sample(target, response.channels)
         if first is None or first < seen.get(target.record.name, WINDOW) * target.record.fs:
             continue
-        if first + LEAST_LEFT * target.record.fs < min(predicted, target.record.n_samples):
+        least = LEAST_LEFT + hypothesis.looks_back(target.record.sensors)
+        if first + least * target.record.fs < min(predicted, target.record.n_samples):
             begun.append((target, limit, first))
     if not begun:
         return None
@@ -73,7 +74,9 @@ def onset_of(
     moved, motions, offsets = [], {}, dict(hypothesis.offsets)
     for target, limit, first in begun:
         seconds = first / target.record.fs
-        part = target.later(first, f"{target.record.name} from {seconds:.2f} s", hypothesis.looks_back)
+        part = target.later(
+            first, f"{target.record.name} from {seconds:.2f} s", hypothesis.looks_back(target.record.sensors)
+        )
         name = part.record.name
         motions[name] = hypothesis.motion_at(target.driven, first, evaluator.settings)
         offsets[name] = hypothesis.offsets.get(target.record.name, 0.0)

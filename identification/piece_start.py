@@ -52,7 +52,7 @@ def start_sought(evaluator: Evaluator, hypothesis: Hypothesis, part: TimeTarget,
     Raises:
         ArithmeticError: the motion from there leaves the finite numbers.
     """
-    search, bare = _Search.of(evaluator, hypothesis, part, motion), _in_time(part.with_noise(part.noise), hypothesis)
+    search, bare = _Search.of(evaluator, hypothesis, part, motion), _punctual(part.with_noise(part.noise), hypothesis)
     n, there = SHORTEST, search.hypothesis
     while n < part.record.n_samples:
         there = search.fitted(bare.cut(n, min(bare.unjudged, n // 2)), there, SOUGHT)
@@ -60,10 +60,20 @@ def start_sought(evaluator: Evaluator, hypothesis: Hypothesis, part: TimeTarget,
     return search.start_of(search.fitted(bare, there, SOUGHT))
 
 
-def _in_time(part: TimeTarget, hypothesis: Hypothesis) -> TimeTarget:
-    """The channels that tell of the first samples: a late one tells of what was before."""
-    late = {e.place.sensor for e in hypothesis.plant().effects if e.looks_back() * part.record.fs > AHEAD}
-    return part.only([name for name in part.record.sensors if name not in late])
+def _punctual(part: TimeTarget, hypothesis: Hypothesis) -> TimeTarget:
+    """The part with the channels that tell of its first samples: a late one tells of what was before.
+
+    Raises:
+        ArithmeticError: all are late.
+    """
+    effects = hypothesis.plant().effects
+    late = {e.place.sensor for e in effects if e.looks_back() * part.record.fs > AHEAD}
+    for place in (e.place for e in effects if e.place.other is not None):
+        late |= {place.sensor, place.other} if late & {place.sensor, place.other} else set()
+    kept = [name for name in part.record.sensors if name not in late]
+    if not kept:
+        raise ArithmeticError(f"{part.record.name}: all channels are late, and none tells how it begins")
+    return part.only(kept)
 
 
 def start_near(evaluator: Evaluator, hypothesis: Hypothesis, part: TimeTarget, motion: Motion) -> PieceStart:

@@ -18,7 +18,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from identification.evaluate import Evaluator, Target, TimeTarget, carry_noise, whitened
+from identification.evaluate import AHEAD, Evaluator, Target, TimeTarget, carry_noise, whitened
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis
 from identification.onset import goes_on
@@ -36,9 +36,6 @@ SECONDS = 1.0
 
 IN_ALL = 12.0
 """Seconds in pieces, of all records together, one of each at least: a search in them takes some minutes."""
-
-LATEST = 0.5
-"""Share of a piece that a channel may be late by: so much of all its channels is not judged."""
 
 LOUDEST = 0.15
 """Noise, as a share of the motion, up to which a piece is used: beyond, it is not in proportion to the force's."""
@@ -123,10 +120,10 @@ def pieces_of(
     torn = [
         (target, round(limit.seconds * target.record.fs))
         for target, limit in zip(evaluator.timed, limits, strict=True)
-        if limit.seconds < least * target.record.duration and SECONDS * target.record.fs >= MIN_SAMPLES
+        if limit.seconds < least * target.record.duration and _judged_of(target, hypothesis) >= MIN_SAMPLES
     ]
     # Where displacements are measured from a start in motion, the force's zero is unknown with it.
-    if not torn or hypothesis.offsets or not goes_on(hypothesis) or hypothesis.looks_back > LATEST * SECONDS:
+    if not torn or hypothesis.offsets or not goes_on(hypothesis):
         return ()
     model, most = replace(hypothesis, motions={}), max(1, int(IN_ALL / SECONDS / len(torn)))
     rows = in_parallel(evaluator.jobs, partial(_pieces_from, evaluator.with_jobs(1), model, most), torn)
@@ -134,10 +131,19 @@ def pieces_of(
     if not pieces:
         return ()
     followed = horizons(evaluator.with_targets(pieces), model)
-    cut = [piece.cut(round(limit.seconds * piece.record.fs)) for piece, limit in zip(pieces, followed, strict=True)]
-    long = [piece for piece in cut if piece.record.n_samples >= MIN_SAMPLES]
+    lengths = [
+        min(piece.record.n_samples, round(limit.seconds * piece.record.fs))
+        for piece, limit in zip(pieces, followed, strict=True)
+    ]
+    pairs = zip(pieces, lengths, strict=True)
+    long = [piece.cut(n) for piece, n in pairs if n - (piece.unjudged - AHEAD) >= MIN_SAMPLES]
     heard = carry_noise(evaluator.with_targets(long), model, rng)
     return tuple(piece for piece in heard if isinstance(piece, Piece) and piece.nrmse_of_noise <= LOUDEST)
+
+
+def _judged_of(target: TimeTarget, hypothesis: Hypothesis) -> float:
+    """Samples of a piece that are judged: those in which a late channel tells of what was before are not."""
+    return (SECONDS - hypothesis.looks_back(target.record.sensors)) * target.record.fs
 
 
 def most_missed(evaluator: Evaluator, base: Fit, seconds: float) -> list[Piece]:
@@ -157,7 +163,7 @@ def most_missed(evaluator: Evaluator, base: Fit, seconds: float) -> list[Piece]:
 def _pieces_from(evaluator: Evaluator, hypothesis: Hypothesis, most: int, torn: tuple[TimeTarget, int]) -> list[Piece]:
     """The next pieces of a record from a sample on, each begun where the one before it leads to, until one is lost."""
     target, first = torn
-    fs, n, back = target.record.fs, round(SECONDS * target.record.fs), hypothesis.looks_back
+    fs, n, back = target.record.fs, round(SECONDS * target.record.fs), hypothesis.looks_back(target.record.sensors)
     found: list[Piece] = []
     motion = hypothesis.motion_at(target.driven, first, evaluator.settings)
     last = min(target.record.n_samples, first + most * n)

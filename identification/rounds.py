@@ -115,10 +115,14 @@ def _unbent(view: View, base: Fit) -> View:
     ]
     if not kept:
         return view
-    told = _fitted_there(replace(view, evaluator=view.evaluator.with_targets(kept)), base)
-    if told.ratio > EXPLAINED:
+    heard = view.evaluator.with_targets([*view.evaluator.at_rest, *kept])
+    try:
+        told = _fitted_there(replace(view, evaluator=heard, there=_there(heard, view.there.hypothesis, base)), base)
+        if told.ratio > EXPLAINED:
+            return view
+        there = fit(view.evaluator, told.hypothesis, concerning(base, view.evaluator), max_iterations=0)
+    except ArithmeticError:
         return view
-    there = fit(view.evaluator, told.hypothesis, concerning(base, view.evaluator), max_iterations=0)
     return replace(view, there=there, is_unbent=True)
 
 

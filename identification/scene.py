@@ -189,10 +189,8 @@ def scenes(
     common = replace(common, lines=(lines.free + lines.driven)[:MOST_LINES], loudness=_loudness(heard))
     rest = _at_rest(response.model, positions)
     found = {place: _scene(place, common, plant, size[x], rest[x]) for place, x in at.items()}
-    lags = _lags(heard)
-    if longer is not None:
-        lags = {name: max(own, longer.lags.get(name, own)) for name, own in lags.items()}
-    late = {Place(sensor=name): found.seconds for name, found in lags.items()}
+    names = {place.sensor for place in at if place.sensor is not None and place.other is None}
+    late = {Place(sensor=name): lag_of.seconds for name, lag_of in _told_lags(heard, names, longer).items()}
     return {place: replace(scene, lag=late.get(place, 0.0)) for place, scene in found.items()}
 
 
@@ -211,12 +209,19 @@ def _loudness(heard: Heard) -> float:
     return float(np.median(told)) if len(told) else 1.0
 
 
-def _lags(heard: Heard) -> dict[str, Lag]:
-    """Name of a sensor -> by how much its channel is late."""
+def _told_lags(heard: Heard, names: Collection[str], longer: Longer | None) -> dict[str, Lag]:
+    """Name of a sensor -> by how much its channel is late, here or in longer records, wherever it is more alike."""
+    told = _lags(heard, names)
+    return told if longer is None else {name: max(own, longer.lags.get(name, own)) for name, own in told.items()}
+
+
+def _lags(heard: Heard, names: Collection[str] | None = None) -> dict[str, Lag]:
+    """Name of a sensor, one of these or any -> by how much its channel is late."""
     rows: dict[str, list[tuple[FloatArray, FloatArray, float]]] = {}
     for record, model in heard:
         for k, name in enumerate(record.sensors):
-            rows.setdefault(name, []).append((record.responses[k], model[k], record.fs))
+            if names is None or name in names:
+                rows.setdefault(name, []).append((record.responses[k], model[k], record.fs))
     return {name: lag(pairs) for name, pairs in rows.items()}
 
 

@@ -210,7 +210,8 @@ def survey(
     suspects = _looked_at(seen, sizes, projection.misfit, progress)
     best = promising(sorted(suspects, key=lambda suspect: -suspect.gain), PLACES_TO_SIZE)
     about = [size for suspect in best for size in _sizes_about(suspect.effect)]
-    progress(f"trying {len(about)} sizes about the best of every kind")
+    if about:
+        progress(f"trying {len(about)} sizes about the best of every kind")
     suspects += [suspect for _, suspect, _ in seen(about)]
     return sorted(suspects, key=lambda suspect: -suspect.gain)
 
@@ -221,7 +222,7 @@ PLACES_TO_SIZE = 4
 
 def _sizes_about(effect: Effect) -> list[Effect]:
     """A third of a decade smaller and larger, where that is another."""
-    sizes = [effect.scaled(factor) for factor in BETWEEN]
+    sizes = [effect.scaled(factor) for factor in BETWEEN if factor != 1.0]
     return [size for size in dict.fromkeys(sizes) if size != effect]
 
 

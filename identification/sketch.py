@@ -7,6 +7,7 @@ numbers are from the truth. So many suspects are fitted on very little, the best
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import compress
 from math import inf
 
 from identification.calibrate import beginning, concerning
@@ -93,7 +94,7 @@ def heats(
     """
     starts = [tried_with(evaluator, start, effect) for effect in suspects]
     sketches: list[Sketch] = []
-    left_behind: list[Sketch] = []
+    too_far: list[Sketch] = []
     noise_reached = False
     first = beginning(evaluator, *schedule[0][:2])
     for number, (share, seconds, most) in enumerate(schedule):
@@ -109,15 +110,11 @@ def heats(
         if noise_reached:
             close = [sketch for sketch in sketches if sketch.share > FAR_BEHIND * sketches[0].share]
             sketches = sketches[: max(len(close), LEAST_LEFT)]
-            left_behind += [sketch for sketch in sketches if not _keeps_up(sketch, sketches[0])]
-            sketches = [sketch for sketch in sketches if _keeps_up(sketch, sketches[0])]
+            far = [sketch.fit.ratio > TOO_FAR_OFF * sketches[0].fit.ratio for sketch in sketches]
+            too_far += compress(sketches, far)
+            sketches = [sketch for sketch, is_far in zip(sketches, far, strict=True) if not is_far]
         starts = [sketch.fit.hypothesis for sketch in sketches]
-    return [*sketches, *left_behind]
-
-
-def _keeps_up(sketch: Sketch, best: Sketch) -> bool:
-    """Whether a suspect may yet come to the noise on longer records, as the best one has on these."""
-    return sketch.fit.ratio <= TOO_FAR_OFF * best.fit.ratio
+    return by_share([*sketches, *(there for sketch in too_far if (there := _as_it_is(ground, sketch)))])
 
 
 REACHED = 1.1
@@ -131,8 +128,8 @@ LEAST_LEFT = 4
 """Suspects left by a heat at least, however far behind."""
 
 TOO_FAR_OFF = 2.0
-"""Times as far off as one that has reached the noise: what has taken so many steps and is still there is not sketched
-on longer records, where it would crawl for longer than all others took."""
+"""Times as far off as one that has reached the noise: what has taken so many steps and is still there takes none on
+longer records, where it would crawl for longer than all others take."""
 
 
 def afresh(model: Hypothesis) -> Hypothesis:
@@ -266,6 +263,18 @@ def _sketched(ground: Ground, suspect: Hypothesis, *, near: bool, own_slopes: bo
         return _tried(evaluator, suspect, unknowns, ITERATIONS_TOGETHER, ground.slopes)
     alone = _tried(evaluator, suspect, own, ITERATIONS_ALONE)
     return alone and _tried(evaluator, alone.hypothesis, unknowns, ITERATIONS, ground.slopes)
+
+
+def _as_it_is(ground: Ground, sketch: Sketch) -> Sketch | None:
+    """A sketch on these records, on longer ones without another step; None where it diverges there."""
+    if sketch.base is ground.quick:
+        return sketch
+    found = sketch.fit.hypothesis
+    unknowns = (*ground.bare.unknowns, *own_unknowns(found))
+    try:
+        return replace(sketch, base=ground.quick, fit=fit(ground.evaluator, found, unknowns, max_iterations=0))
+    except ArithmeticError:
+        return None
 
 
 def grown_from_bare(ground: Ground, sketches: Sequence[Sketch]) -> list[Sketch]:

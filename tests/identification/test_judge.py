@@ -227,6 +227,22 @@ def test_kinds_in_time_are_looked_at_where_no_other_reaches_the_noise(monkeypatc
     assert asked == looked_at
 
 
+@pytest.mark.parametrize(("is_unbent", "order"), [(False, ["afar", "beside"]), (True, ["beside", "afar"])])
+def test_a_model_that_a_fault_has_not_bent_is_looked_beside_first(monkeypatch, is_unbent, order):
+    asked, far = [], fit_of(MASS, 1e6)
+
+    def look(name):
+        return lambda *_: (asked.append(name), [Sketch(far, far, MASS)])[1]
+
+    monkeypatch.setattr(judging, "beside", look("beside"))
+    monkeypatch.setattr(judging, "afar", look("afar"))
+    monkeypatch.setattr(judging, "finals", lambda *_, **__: [])
+
+    judge([View(None, far, {}, is_unbent=is_unbent)], SimpleNamespace(targets=()), far, lambda _: None)
+
+    assert asked == order
+
+
 def test_begun_again_from_the_given_numbers_a_lost_start_is_found():
     """A beam let go from a hard sleeve: a fit of all its record at once, from rest, does not find its state."""
     load = PointMass(Place(position=1.2), mass=0.3)

@@ -13,12 +13,13 @@ from identification.followed_again import begin_again, explains_its_own, fails_i
 from identification.hypothesis import Hypothesis, rig_unknowns
 from identification.noise_left import noise_left
 from identification.pieces import SECONDS, Piece, begun_by, fit_from_own_starts, most_missed, pieces_of
-from identification.prepare import Horizon, cut_to
+from identification.prepare import MIN_SAMPLES, Horizon, cut_to
 from identification.session import Session
 from models.effects import EFFECTS, Place
 from models.effects.bouc_wen import BoucWen
 from models.effects.point_mass import PointMass
 from models.effects.sensor_delay import SensorDelay
+from models.effects.sensor_swap import SensorSwap
 from models.effects.wear import Wear
 
 TRUTH = Hypothesis(REFERENCE)
@@ -70,7 +71,26 @@ def test_a_channel_that_is_late_by_many_samples_is_met_in_pieces_too():
     assert len(found) == 3
     assert ratios(driven, found, truth) == pytest.approx([1.0] * 3, abs=0.1)
     assert {piece.unjudged for piece in found} == {AHEAD + round(0.06 * FS + 0.5)}
-    assert pieces_by(replace(truth, effects=(replace(late, delay=0.6 * SECONDS),)), driven) == ()
+    assert all(piece.record.n_samples > MIN_SAMPLES for piece in beginning(driven.with_targets(found), 0.0, 0.1).timed)
+    assert pieces_by(replace(truth, effects=(replace(late, delay=0.9 * SECONDS),)), driven) == ()
+
+
+def test_no_pieces_are_begun_where_all_channels_are_late():
+    late = SensorDelay(Place(sensor="P3"), delay=0.06)
+    truth = Hypothesis(REFERENCE, effects=(late,))
+    driven = evaluator_of(measured(truth, multisine(8192, rms=20.0), force_noise=0.005))
+    alone = driven.with_targets([target.only(["P3"]) for target in driven.timed])
+    assert pieces_by(truth, alone) == ()
+
+
+def test_a_channel_that_was_exchanged_with_a_late_one_does_not_tell_a_start():
+    late = SensorDelay(Place(sensor="P3"), delay=0.06)
+    truth = Hypothesis(REFERENCE, effects=(late, SensorSwap(Place(sensor="P3", other="P5"))))
+    driven = evaluator_of(measured(truth, multisine(8192, rms=20.0), force_noise=0.005))
+
+    found = pieces_by(truth, driven)
+
+    assert ratios(driven, found, truth) == pytest.approx([1.0] * 3, abs=0.1)
 
 
 def test_a_wrong_number_shows_though_the_starts_were_found_by_it(evaluator):

@@ -5,9 +5,10 @@ import pytest
 from test_fit import Number
 from trial_records import FS, REFERENCE, evaluator_of, measured, multisine, oscillator
 
+from identification import screen as screening
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis, rig_unknowns
-from identification.screen import LARGEST_FACTOR, Projection, Suspect, promising, screen, survey
+from identification.screen import LARGEST_FACTOR, PLACES_TO_SIZE, Projection, Suspect, promising, screen, survey
 from models.effects import Place
 from models.effects.absorber import Absorber
 from models.effects.coulomb_friction import CoulombFriction
@@ -151,6 +152,27 @@ def test_a_survey_finds_the_place_and_the_size_of_a_heavy_mass():
     assert near.effect.place == Place(position=0.86)
     assert hidden.mass / 1.6 < near.effect.mass < hidden.mass * 1.6
     assert near.gain >= first.gain
+
+
+def test_a_survey_tries_sizes_about_the_best_one_at_the_best_places(monkeypatch):
+    hidden = PointMass(Place(position=0.86), mass=0.1)
+    evaluator = evaluator_of(measured(Hypothesis(REFERENCE, effects=(hidden,)), multisine(1024, rms=10.0)))
+    start = fit(evaluator, Hypothesis(REFERENCE), rig_unknowns(REFERENCE), max_iterations=0)
+    tried = []
+
+    def seen(evaluator, model, trials):
+        tried.append(list(trials))
+        return simulated(evaluator, model, trials)
+
+    simulated = screening._residuals
+    monkeypatch.setattr(screening, "_residuals", seen)
+    found = survey(evaluator, start, {"point_mass": PointMass}, lambda _: None)
+
+    first, smaller, about = tried
+    best = promising([s for s in found if s.effect in {*first, *smaller}], PLACES_TO_SIZE)
+    wanted = {(s.effect.place, round(s.effect.mass * factor, 9)) for s in best for factor in (0.46, 2.15)}
+    assert {(effect.place, round(effect.mass, 9)) for effect in about} == wanted
+    assert len(about) == 2 * PLACES_TO_SIZE < len(first)
 
 
 @pytest.mark.parametrize("look", [survey, screen])

@@ -6,6 +6,7 @@ import pytest
 from trial_records import REFERENCE, evaluator_of, fit_of, measured, moved, multisine
 
 from identification import sketch as sketching
+from identification.calibrate import beginning
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, own_unknowns, rig_unknowns
 from identification.sketch import Sketch, apart, ground_of, grown_from_bare, heats, rivals, sketched
@@ -110,11 +111,13 @@ def test_what_is_far_off_where_another_has_reached_the_noise_is_not_sketched_on_
     evaluator, base = greased
     ratios = {"squeeze_film": 1.0, "point_damping": 1.9, "point_mass": 2.1}
     asked = []
+    bases = iter([1e5, 1e5, 1e4, 1e4])
 
     def fitted(ground, suspects, **_):
         asked.append([suspect.effects[-1].kind for suspect in suspects])
         ends = [(s.effects[-1], 1000.0 * ratios[s.effects[-1].kind] ** 2) for s in suspects]
-        return [Sketch(fit_of(GREASE, 1e5), fit_of(effect, cost), effect) for effect, cost in ends]
+        left = next(bases)
+        return [Sketch(fit_of(GREASE, left), fit_of(effect, cost), effect) for effect, cost in ends]
 
     monkeypatch.setattr(sketching, "sketched", fitted)
     monkeypatch.setattr(sketching, "rivals", lambda *_: [])
@@ -124,7 +127,11 @@ def test_what_is_far_off_where_another_has_reached_the_noise_is_not_sketched_on_
 
     assert asked[0] == ["squeeze_film", "point_damping", "point_mass"]
     assert asked[2] == ["squeeze_film", "point_damping"]
-    assert [sketch.effect.kind for sketch in found] == ["squeeze_film", "point_damping", "point_mass"]
+    assert [sketch.effect.kind for sketch in found[:2]] == ["squeeze_film", "point_damping"]
+    (last,) = found[2:]
+    assert last.effect.kind == "point_mass"
+    longest = beginning(evaluator, 1.0, 0.0)
+    assert last.fit.n_data == last.base.n_data == longest.n_judged
 
 
 def test_two_sketches_that_ended_at_one_place_are_one():
