@@ -18,6 +18,7 @@ from identification.established import (
     TOLD_BY_PARTS,
     TWO_PLACES,
     UNTOLD,
+    UNTOLD_UP_TO,
     of_one_law,
     unestablished,
 )
@@ -102,7 +103,8 @@ def test_a_law_of_which_parts_leave_no_number_known_is_doubted_whatever_it_predi
         found = replace(found, widened=np.array([10.0, 10.0]))
         assert unestablished(found, predicted=True) == why
         assert unestablished(found) == (why or (0, NO_LAW_OF_ALL))
-        assert unestablished(replace(found, chi2=1.2**2 * found.n_data)) is None
+        assert unestablished(replace(found, chi2=(0.95 * UNTOLD_UP_TO) ** 2 * found.n_data)) == why
+        assert unestablished(replace(found, chi2=(1.05 * UNTOLD_UP_TO) ** 2 * found.n_data)) is None
 
 
 def test_what_all_laws_miss_is_no_doubt_of_the_law():
