@@ -43,9 +43,9 @@ there within the noise, it predicts as well. Of the laws of several numbers that
 above."""
 
 UNTOLD_UP_TO = 2.0
-"""Residual over noise up to which that is asked: farther above it all parts disagree about every law, the true one too.
-A spring whose force relaxes in 8 ms was met, to 1.5 times the noise, by a hysteresis of 22 N, give or take 71, beside an
-absorber; of 80 right diagnoses of late none was left above 1.2."""
+"""Residual over noise up to which that is asked: farther above it all parts disagree about any law, the true one too.
+A spring whose force creeps within 8 ms was met, to 1.5 times the noise, by a hysteresis of 22 N, give or take 71, beside
+an absorber; of the newest 80 right diagnoses none was left above 1.2."""
 
 NOWHERE = 1.0 / sqrt(12.0)
 """Deviation of a place, as a share of the length, of what may sit anywhere along it."""
