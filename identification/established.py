@@ -44,7 +44,7 @@ above."""
 
 UNTOLD_UP_TO = 2.0
 """Residual over noise up to which that is asked: farther above it all parts disagree about any law, the true one too.
-A spring whose force creeps within 8 ms was met, to 1.5 times the noise, by a hysteresis of 22 N, give or take 71, beside
+A spring whose force creeps within 8 ms was met, to 1.5 times the noise, by a hysteresis of 22 N, give or take 71, and
 an absorber; of the newest 80 right diagnoses none was left above 1.2."""
 
 NOWHERE = 1.0 / sqrt(12.0)
