@@ -18,6 +18,7 @@ from identification.established import (
     TOLD_BY_PARTS,
     TWO_PLACES,
     UNTOLD,
+    UNTOLD_ABOVE,
     UNTOLD_UP_TO,
     of_one_law,
     unestablished,
@@ -103,8 +104,15 @@ def test_a_law_of_which_parts_leave_no_number_known_is_doubted_whatever_it_predi
         found = replace(found, widened=np.array([10.0, 10.0]))
         assert unestablished(found, predicted=True) == why
         assert unestablished(found) == (why or (0, NO_LAW_OF_ALL))
-        assert unestablished(replace(found, chi2=(0.95 * UNTOLD_UP_TO) ** 2 * found.n_data)) == why
-        assert unestablished(replace(found, chi2=(1.05 * UNTOLD_UP_TO) ** 2 * found.n_data)) is None
+
+
+def test_above_the_noise_a_law_is_doubted_of_which_parts_leave_half_as_much_known():
+    for share, why in ((0.9, None), (1.1, (0, NO_NUMBER))):
+        found = known_together(CoulombFriction(AT, 5.0, 1.0), share**2 * 2.0 * UNTOLD_ABOVE**2, 1e-4)
+        found = replace(found, widened=np.array([10.0, 10.0]))
+        assert unestablished(found, predicted=True) is None
+        for ratio, told in ((1.2, why), (0.95 * UNTOLD_UP_TO, why), (1.05 * UNTOLD_UP_TO, None)):
+            assert unestablished(replace(found, chi2=ratio**2 * found.n_data), predicted=True) == told
 
 
 def test_what_all_laws_miss_is_no_doubt_of_the_law():
