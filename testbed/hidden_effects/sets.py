@@ -512,7 +512,7 @@ REPORTED = CaseSet(
             more_outside=True,
         ),
         57203: Batch(
-            "4a64266",
+            "08e933c",
             run="Two threads, one case at a time with the machine to itself. It goes on.",
             first_kind="force_gain",
             first_law="growing_damping",
@@ -590,7 +590,7 @@ of such a record. Errors are of all channels together, each quantity by its own 
             n_laws=9,
         ),
         50021: Batch(
-            "4a64266",
+            "08e933c",
             first_kind="local_damage",
             first_law="growing_damping",
             n_laws=9,
