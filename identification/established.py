@@ -46,7 +46,8 @@ UNTOLD_ABOVE, UNTOLD_UP_TO = 0.5, 2.0
 """The same above the noise, where another law is likelier and half of what was known beforehand is little, and the
 residual over noise up to which that is asked: farther off all parts disagree about any law, the true one too. A spring
 whose force creeps within 8 ms was met, to 1.5 times the noise, by a hysteresis of 22 N, give or take 71, and an
-absorber; of the newest 80 right diagnoses none was left above 1.2."""
+absorber, of which a little more is told than that: it is not caught yet. Of the newest 80 right diagnoses none was left
+above 1.2."""
 
 NOWHERE = 1.0 / sqrt(12.0)
 """Deviation of a place, as a share of the length, of what may sit anywhere along it."""
