@@ -11,7 +11,7 @@ from math import ceil
 
 import numpy as np
 
-from identification.evaluate import AHEAD, Evaluator, Target, TimeTarget
+from identification.evaluate import Evaluator, Target, TimeTarget
 from identification.fit import Fit, fit
 from identification.hypothesis import (
     LARGEST_SIGMA,
@@ -147,7 +147,7 @@ def beginning(evaluator: Evaluator, share: float, seconds: float) -> Evaluator:
         motion = record.responses - np.where(target.without_zero, record.responses.mean(axis=1), 0.0)[:, None]
         power = np.sum((motion / (motion.std(axis=1, keepdims=True) + TINY)) ** 2, axis=0)
         reached = int(np.searchsorted(np.cumsum(power), share * power.sum()))
-        least = max(MIN_SAMPLES, reached, round(seconds * record.fs)) + max(0, target.unjudged - AHEAD)
+        least = max(MIN_SAMPLES, reached, round(seconds * record.fs)) + target.waits
         short.append(target.cut_quickly(least, at_least=True))
     return evaluator.with_targets(short)
 

@@ -99,7 +99,8 @@ def unestablished(
         if min(by_noise[i] for i in numbers) > TOLD:
             return index, NO_LAW
         told_by_parts = min(by_parts[i] for i in numbers)
-        if told_by_parts > (UNTOLD if found.ratio <= NOISE_REACHED else UNTOLD_ABOVE) and found.ratio <= UNTOLD_UP_TO:
+        most = UNTOLD if found.ratio <= NOISE_REACHED else UNTOLD_ABOVE
+        if told_by_parts > most and found.ratio <= UNTOLD_UP_TO:
             return index, NO_NUMBER
         if found.ratio <= NOISE_REACHED and not predicted and told_by_parts > TOLD_BY_PARTS:
             return index, NO_LAW_OF_ALL

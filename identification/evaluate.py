@@ -243,6 +243,11 @@ class TimeTarget:
         return 2 * self.measured.size
 
     @property
+    def waits(self) -> int:
+        """Samples at the start that are not judged beyond those that every later part gives up."""
+        return max(0, self.unjudged - AHEAD)
+
+    @property
     def judged_share(self) -> float:
         """Of the noise's power, what is left of it with the samples at the start that are not judged in full."""
         return float(np.mean(_weights(self.record.n_samples, self.unjudged) ** 2))

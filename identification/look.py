@@ -16,7 +16,7 @@ from identification.progress import Progress
 from identification.scene import Longer, valley
 from identification.screen import Projection, Suspect, promising, screen, survey
 from identification.sketch import HEATS, Sketch, afresh, ground_of, heats, sketched_from_calibrated
-from models.effects import Place, Registry
+from models.effects import Effect, Place, Registry
 
 PER_KIND = 2
 """Places of each kind that are sketched."""
@@ -80,11 +80,17 @@ def beside(view: View, base: Fit, progress: Progress) -> list[Sketch]:
         return sketched_from_calibrated(evaluator, there, starts, effects, registry, lasting=view.is_lasting)
     (share, seconds), bare = telling
     short = beginning(evaluator, share, seconds)
-    found = survey(short, bare, registry, progress, channels=view.channels, longer=view.told)
-    seen = worth_a_sketch(promising(found, PER_KIND, valley(start.rig)))
-    progress(f"sketching {len(seen)} suspects on the beginning of the records, the best of them on {evaluator.extent}")
+    suspects = _surveyed(view, short, bare, progress)
+    where = f"on the beginning of the records, the best of them on {evaluator.extent}"
+    progress(f"sketching {len(suspects)} suspects {where}")
     schedule = [(*window, MOST_LONG_SKETCHES) for window in _ever_longer(evaluator, share, seconds)]
-    return heats(evaluator, start, base, [suspect.effect for suspect in seen], registry, schedule, near=True)
+    return heats(evaluator, start, base, suspects, registry, schedule, near=True)
+
+
+def _surveyed(view: View, short: Evaluator, bare: Fit, progress: Progress) -> list[Effect]:
+    """The best places of every kind that are worth a sketch, from the beginning of what is viewed and a model there."""
+    found = survey(short, bare, view.registry, progress, channels=view.channels, longer=view.told)
+    return [suspect.effect for suspect in worth_a_sketch(promising(found, PER_KIND, valley(bare.hypothesis.rig)))]
 
 
 def _ever_longer(evaluator: Evaluator, share: float, seconds: float) -> Windows:
@@ -113,10 +119,9 @@ def afar(view: View, base: Fit, progress: Progress) -> list[Sketch]:
     start = afresh(base.hypothesis)
     short = beginning(view.evaluator, *HEATS[0][:2])
     bare = fit(short, start, concerning(base, short), max_iterations=0)
-    found = survey(short, bare, view.registry, progress, channels=view.channels, longer=view.told)
-    seen = worth_a_sketch(promising(found, PER_KIND, valley(start.rig)))
-    progress(f"sketching {len(seen)} suspects on the beginning of the records")
-    return heats(view.evaluator, start, base, [suspect.effect for suspect in seen], view.registry)
+    suspects = _surveyed(view, short, bare, progress)
+    progress(f"sketching {len(suspects)} suspects on the beginning of the records")
+    return heats(view.evaluator, start, base, suspects, view.registry)
 
 
 def _telling(evaluator: Evaluator, start: Hypothesis, base: Fit) -> tuple[tuple[float, float], Fit] | None:

@@ -66,10 +66,10 @@ def _punctual(part: TimeTarget, hypothesis: Hypothesis) -> TimeTarget:
     Raises:
         ArithmeticError: all are late.
     """
-    effects = hypothesis.plant().effects
-    late = {e.place.sensor for e in effects if e.looks_back() * part.record.fs > AHEAD}
-    for place in (e.place for e in effects if e.place.other is not None):
-        late |= {place.sensor, place.other} if late & {place.sensor, place.other} else set()
+    late: set[str | None] = {n for n in part.record.sensors if hypothesis.looks_back([n]) * part.record.fs > AHEAD}
+    for place in (effect.place for effect in hypothesis.plant().effects if effect.place.other is not None):
+        exchanged = {place.sensor, place.other}
+        late |= exchanged if late & exchanged else set()
     kept = [name for name in part.record.sensors if name not in late]
     if not kept:
         raise ArithmeticError(f"{part.record.name}: all channels are late, and none tells how it begins")

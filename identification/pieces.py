@@ -18,7 +18,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from identification.evaluate import AHEAD, Evaluator, Target, TimeTarget, carry_noise, whitened
+from identification.evaluate import Evaluator, Target, TimeTarget, carry_noise, whitened
 from identification.fit import Fit, fit
 from identification.hypothesis import Hypothesis
 from identification.onset import goes_on
@@ -136,7 +136,7 @@ def pieces_of(
         for piece, limit in zip(pieces, followed, strict=True)
     ]
     pairs = zip(pieces, lengths, strict=True)
-    long = [piece.cut(n) for piece, n in pairs if n - (piece.unjudged - AHEAD) >= MIN_SAMPLES]
+    long = [piece.cut(n) for piece, n in pairs if n - piece.waits >= MIN_SAMPLES]
     heard = carry_noise(evaluator.with_targets(long), model, rng)
     return tuple(piece for piece in heard if isinstance(piece, Piece) and piece.nrmse_of_noise <= LOUDEST)
 

@@ -108,11 +108,9 @@ def _unbent(view: View, base: Fit) -> View:
     suspected = [place.sensor for place in view.channels or () if place.sensor is not None and place.other is None]
     if not suspected or view.there.ratio < LARGE:
         return view
-    kept = [
-        target.only([name for name in target.record.sensors if name not in suspected])
-        for target in view.evaluator.timed
-        if not set(target.record.sensors) <= set(suspected)
-    ]
+    timed = view.evaluator.timed
+    rest = [target.only([name for name in target.record.sensors if name not in suspected]) for target in timed]
+    kept = [target for target in rest if target.record.sensors]
     if not kept:
         return view
     heard = view.evaluator.with_targets([*view.evaluator.at_rest, *kept])

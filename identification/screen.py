@@ -153,16 +153,11 @@ def _looked_at(
         progress: told how many follow.
     """
     looked = list(seen(trials))
-    wanted = [(trial, trial.scaled(float(np.sqrt(left / by)))) for trial, _, by in looked if _is_far(by, left)]
-    smaller = [less for trial, less in wanted if less != trial]
+    far = [(trial, by) for trial, _, by in looked if 0.0 < left < SMALL_ENOUGH**2 * by]
+    smaller = [less for trial, by in far if (less := trial.scaled(float(np.sqrt(left / by)))) != trial]
     if smaller:
         progress(f"trying {len(smaller)} again, as large as what is left")
     return [suspect for _, suspect, _ in [*looked, *seen(smaller)]]
-
-
-def _is_far(change: float, left: float) -> bool:
-    """Whether a trial changes the response by far more than is left, both squared."""
-    return 0.0 < left < SMALL_ENOUGH**2 * change
 
 
 SMALL_ENOUGH = 0.3

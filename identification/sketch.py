@@ -7,7 +7,6 @@ numbers are from the truth. So many suspects are fitted on very little, the best
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import compress
 from math import inf
 
 from identification.calibrate import beginning, concerning
@@ -110,9 +109,9 @@ def heats(
         if noise_reached:
             close = [sketch for sketch in sketches if sketch.share > FAR_BEHIND * sketches[0].share]
             sketches = sketches[: max(len(close), LEAST_LEFT)]
-            far = [sketch.fit.ratio > TOO_FAR_OFF * sketches[0].fit.ratio for sketch in sketches]
-            too_far += compress(sketches, far)
-            sketches = [sketch for sketch, is_far in zip(sketches, far, strict=True) if not is_far]
+            most_off = TOO_FAR_OFF * sketches[0].fit.ratio
+            too_far += [sketch for sketch in sketches if sketch.fit.ratio > most_off]
+            sketches = [sketch for sketch in sketches if sketch.fit.ratio <= most_off]
         starts = [sketch.fit.hypothesis for sketch in sketches]
     return by_share([*sketches, *(there for sketch in too_far if (there := _as_it_is(ground, sketch)))])
 
