@@ -20,6 +20,7 @@ from models.simulators.mujoco import n_segments
 from models.simulators.protocol import Resolution
 from testbed.hidden_effects.imitation import Imitation
 from testbed.hidden_effects.plan import Task
+from testbed.hidden_effects.sets import SETS
 from testbed.hidden_effects.sizes import ROUNDS
 from testbed.hidden_effects.trials import Trial
 from testbed.hidden_effects.truth import ENGINES, FINE, Truth, moved
@@ -66,8 +67,9 @@ def engine_for(task: Task, trial: Trial, truth: Truth, rng: np.random.Generator)
 
 
 def _turns(task: Task) -> list[str]:
-    """The engines from the one whose turn it is; each kind begins elsewhere."""
-    turn = crc32(task.kind.encode()) + task.number
+    """The engines from the one whose turn it is; each kind begins elsewhere, and in each batch where that says."""
+    batch = SETS[task.case_set].batches.get(task.seed)  # None of a seed that was put aside since
+    turn = crc32(task.kind.encode()) + task.number + (batch.turned if batch else 0)
     return [ENGINES[(turn + step) % len(ENGINES)] for step in range(len(ENGINES))]
 
 

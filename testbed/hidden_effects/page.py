@@ -19,6 +19,7 @@ from testbed.hidden_effects.scores import (
 )
 from testbed.hidden_effects.sets import BEFORE, FEW, MANY, MOST, REPORTED, SETS, Batch
 from testbed.hidden_effects.trials import MOST_AMPLIFICATION, MOST_GROWTH
+from testbed.hidden_effects.truth import ENGINES
 from testbed.outputs import Json
 
 ABOUT = f"""\
@@ -91,6 +92,12 @@ Right of all, by the error of the calibrated model over the noise. A limit that 
 all larger ones comes to nine of ten; it says nothing of the small ones alone, and this table does.
 """
 
+BY_ENGINE = """\
+Right of all with one effect, by who moved the truth. The engines take turns within each kind and each law, from a place
+of its own. Short batches hold the first few of each, so a kind has met one engine far more often than another, and what
+is told of a kind cannot be told from what is told of its engine; a batch may put the turn on for that (`Batch.turned`).
+"""
+
 WHERE = """\
 Medians: the error held out over the true noise with the rig as given, calibrated, and after the diagnosis; and the
 seconds of the diagnosis, on one thread or two.
@@ -146,6 +153,7 @@ def page_of(summary: Json, explained: Mapping[str, str], command: str) -> str:
         *_counts(summary),
         *_engines(summary),
         *_seconds(summary),
+        *_by_engine(summary["by_engine"]),
     ]
     for name, title in FIGURES.items():
         if _is_drawn(summary, name):
@@ -300,8 +308,9 @@ def _row(name: str, row: Json) -> str:
 
 
 def _counts(summary: Json) -> Iterator[str]:
-    yield f"False alarms, where nothing was hidden: {summary['false_alarms']}; right, with one effect too many:"
-    yield f"{summary['named_besides']}. Abstentions (`unexplained` though the library holds the truth):"
+    yield f"Where nothing was hidden an effect was named in {summary['false_alarms']} cases, and"
+    yield f"{summary['nothing_unexplained']} were called `unexplained`; right, with one effect too many:"
+    yield f"{summary['named_besides']}. Abstentions (`unexplained` though the library holds the effect):"
     yield f"{summary['abstentions']}. Hidden and called `complete`: {summary['missed_silently']}."
     errors = sorted(summary["place_errors"])
     if errors:
@@ -358,6 +367,16 @@ def _engines(summary: Json) -> Iterator[str]:
         shares = ", ".join(f"{engine} moved {count / total:.0%}" for engine, count in sorted(counts.items()))
         if total:
             yield f"Of {which} cases that every engine can carry, {total}: {shares}."
+
+
+def _by_engine(counts: Json) -> Iterator[str]:
+    """Right of all, by kind and by who moved the truth."""
+    if counts:
+        yield from ("", "## By kind and engine", "", BY_ENGINE)
+        yield from _heads(("", *ENGINES))
+    for kind, row in counts.items():
+        cells = (f"{row[engine]['right']} of {row[engine]['cases']}" if engine in row else "" for engine in ENGINES)
+        yield f"| `{kind}` | {' | '.join(cells)} |"
 
 
 def _by_size(detection: Json) -> Iterator[str]:

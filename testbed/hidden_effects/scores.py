@@ -66,9 +66,13 @@ def summary_of(cases: Sequence[Json], case_set: str) -> Json:
         "engines": {name: row_of(group) for name, group in _by(cases, "engine").items()},
         "kinds": {kind: row_of(group) for kind, group in _by(hidden_one, "kind").items()},
         "laws outside": {kind: row_of(group) for kind, group in _by_law(groups[CLASSES[OUTSIDE]]).items()},
+        "by_engine": by_engine(hidden_one, "kind") | by_engine(_with_law(groups[CLASSES[OUTSIDE]]), "law"),
         "confusion": confusion(done),
         "false_alarms": sum(c["judged"]["verdict"] == "missing_effect" for c in groups[CLASSES[NOTHING]] if c in done),
-        "abstentions": sum(c["judged"]["verdict"] == "unexplained" for c in done if class_of(c) != CLASSES[OUTSIDE]),
+        "nothing_unexplained": sum(c["judged"]["verdict"] == "unexplained" for c in done if not c["hidden"]),
+        "abstentions": sum(
+            c["judged"]["verdict"] == "unexplained" for c in done if c["hidden"] and class_of(c) != CLASSES[OUTSIDE]
+        ),
         "missed_silently": sum(c["judged"]["verdict"] == "complete" for c in done if c["hidden"]),
         "named_besides": sum(c["judged"]["n_found"] > len(c["hidden"]) for c in done if c["judged"]["right"]),
         "place_errors": place_errors([case for case in done if class_of(case) == ONE]),
@@ -519,6 +523,23 @@ def shares_of_engines(cases: Sequence[Json]) -> Json:
     return dict(Counter(case["engine"] for case in done if not FINE_ALONE & {one["kind"] for one in case["hidden"]}))
 
 
+def by_engine(cases: Sequence[Json], key: str) -> Json:
+    """Right of all by kind or law and by the engine that moved the truth: kind -> engine -> counts.
+
+    Args:
+        cases: of one effect, or outside the library; those that failed before an engine was there are left out.
+        key: of a case, by which they are told apart.
+    """
+    return {
+        kind: {
+            engine: {"right": row["right"], "cases": row["cases"]}
+            for engine, some in _by(group, "engine").items()
+            for row in (row_of(some),)
+        }
+        for kind, group in _by(cases, key).items()
+    }
+
+
 FINE_ALONE = frozenset({"axial_load", "breathing_crack", "local_damage", "stiffness_drift", "structural_damping"})
 """Kinds that our finite elements alone carry."""
 
@@ -550,7 +571,11 @@ def _by(rows: Sequence[Json], key: str) -> dict[str, list[Json]]:
 
 
 def _by_law(cases: Sequence[Json]) -> dict[str, list[Json]]:
-    return _by([case | {"law": case["hidden"][0]["kind"]} for case in cases if case.get("hidden")], "law")
+    return _by(_with_law(cases), "law")
+
+
+def _with_law(cases: Sequence[Json]) -> list[Json]:
+    return [case | {"law": case["hidden"][0]["kind"]} for case in cases if case.get("hidden")]
 
 
 def _miss(case: Json) -> Json:

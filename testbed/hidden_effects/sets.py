@@ -85,6 +85,8 @@ class Batch:
             it is not said.
         n_laws: how many of the laws outside take turns, the first of them (``outside.OUTSIDE_LAWS``).
         more_outside: whether a quarter of its cases lies outside the library, not a tenth.
+        turned: by how many engines the turn of every kind is put on (``engines``): short batches hold the first few of
+            each, and a kind would meet one engine alone in all of them.
         left_out: kind and number of cases that were begun and never ended; ``run`` says why.
     """
 
@@ -97,6 +99,7 @@ class Batch:
     first_law: str = ""
     n_laws: int = 6
     more_outside: bool = False
+    turned: int = 0
     left_out: tuple[tuple[str, int], ...] = ()
 
 

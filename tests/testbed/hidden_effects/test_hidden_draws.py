@@ -23,7 +23,7 @@ from testbed.hidden_effects.outside import OUTSIDE_LAWS
 from testbed.hidden_effects.places import draw_place, is_apart, scene_at
 from testbed.hidden_effects.plan import KINDS, Task
 from testbed.hidden_effects.rigs import draw_rig
-from testbed.hidden_effects.sets import SETS, TUNING, VARIED
+from testbed.hidden_effects.sets import SETS, TUNING, VARIED, Batch
 from testbed.hidden_effects.sizes import jittered, on_the_beam, sized
 from testbed.hidden_effects.tolerated import tolerated
 from testbed.hidden_effects.trials import HELD, LEARNT, draw_trial
@@ -246,6 +246,25 @@ def test_what_an_engine_cannot_carry_is_moved_by_another_and_the_turns_go_round(
     assert engines == [FINE] * 3
     assert set(seen) == {1}
     assert len(seen) == len(ENGINES)  # of three turns one begins with the elements, one passes one engine, one both
+
+
+def test_a_batch_may_put_the_engines_turn_on(trial, built, monkeypatch):
+    """Batches that hold one case of each kind would move it by the same engine otherwise."""
+    truth = Truth(built, (EFFECTS["force_gain"](Place(), gain=2.0),), MODEL, Noise(0.007, 0.007))
+    asked = []
+
+    class Refusing:
+        def cannot_carry(self, plant, resolution):
+            return ("anything",)
+
+    monkeypatch.setattr("testbed.hidden_effects.engines.simulator", lambda name: asked.append(name) or Refusing())
+    ways = []
+    for turned in range(3):
+        monkeypatch.setitem(SETS["tuning"].batches, 11, Batch("any", turned=turned))
+        asked.clear()
+        engine_for(Task("tuning", 11, "nothing", 0), trial, truth, np.random.default_rng(0))
+        ways.append(tuple(asked))
+    assert len(set(ways)) == len(ENGINES)
 
 
 def test_a_blank_record_has_the_rigs_channels(built):

@@ -80,13 +80,16 @@ def test_false_alarms_abstentions_and_silent_misses_are_told_apart():
         made_up("nothing", 0, right=False, named="wear"),
         made_up("point_mass", 0, right=False),
         made_up("outside", 0),
+        made_up("nothing", 1, right=False),
     ]
+    cases[-1]["judged"]["verdict"] = cases[-1]["judged"]["named"] = "unexplained"
     silent = made_up("point_mass", 1, right=False)
     silent["judged"]["verdict"] = silent["judged"]["named"] = "complete"
     summary = summary_of([*cases, silent], "reported")
     assert (summary["false_alarms"], summary["abstentions"], summary["missed_silently"]) == (1, 1, 1)
+    assert summary["nothing_unexplained"] == 1
     assert summary["confusion"] == {
-        "nothing": {"wear": 1},
+        "nothing": {"wear": 1, "unexplained": 1},
         "outside": {"unexplained": 1},
         "point_mass": {"unexplained": 1, "complete": 1},
     }
@@ -244,6 +247,23 @@ def test_the_shares_of_the_engines_are_of_what_all_can_carry():
     cases.append(made_up("local_damage", 0, hidden=[{"kind": "local_damage", "position": 0.5}]))
 
     assert shares_of_engines(cases) == {"fine": 2, "mujoco": 1, "exudyn": 1}
+
+
+def test_right_of_all_is_told_by_kind_and_engine():
+    cases = [
+        made_up("point_mass", n, engine=engine, right=n != 1) for n, engine in enumerate(("fine", "fine", "exudyn"))
+    ]
+    cases += [made_up("outside", 0, engine="mujoco"), made_up("nothing", 0), failed("point_mass", 3)]
+
+    summary = summary_of(cases, "reported")
+
+    assert summary["by_engine"] == {
+        "point_mass": {"fine": {"right": 1, "cases": 2}, "exudyn": {"right": 1, "cases": 1}},
+        "one_sided_stop": {"mujoco": {"right": 1, "cases": 1}},
+    }
+    page = page_of(summary, {}, "testbed")
+    assert "| `point_mass` | 1 of 2 | 1 of 1 |  |" in page
+    assert "| `one_sided_stop` |  |  | 1 of 1 |" in page
 
 
 def test_an_effect_that_was_added_beside_another_is_believed_and_there_or_not():

@@ -4,6 +4,8 @@ import json
 import os
 import signal
 import time
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from multiprocessing import get_context
 
@@ -64,15 +66,31 @@ def pids(cluster):
     return {worker.pid for worker in cluster.workers.values() if worker.pid}
 
 
-def test_the_command_runs_real_cases_on_a_cluster_of_two_workers(cluster, monkeypatch, tmp_path):
-    asked = partial(run_hidden_effects, run=real_and_small)
+def kill_the_first_at_work(begun):
+    """The process that begins a case first, once it has."""
+    while not (files := list(begun.iterdir())):
+        time.sleep(0.01)
+    victim = int(files[0].name.split()[-1])
+    os.kill(victim, signal.SIGKILL)
+    return victim
+
+
+def test_the_command_runs_real_cases_on_a_cluster_of_which_a_worker_is_killed(cluster, monkeypatch, tmp_path):
+    begun, out = tmp_path / "begun", tmp_path / "out"
+    begun.mkdir()
+    asked = partial(run_hidden_effects, run=partial(real_and_small, begun))
     monkeypatch.setattr("testbed.hidden_effects.run.run_hidden_effects", asked)
     order = ["--set", "tuning", "--only", "nothing", "--cases", "2", "--scheduler", cluster.scheduler_address]
 
-    assert main(["benchmark", "hidden-effects", *order, "--out", str(tmp_path)]) == 1  # two cases meet no bar of 200
+    with ThreadPoolExecutor(1) as beside:
+        killing = beside.submit(kill_the_first_at_work, begun)
+        assert main(["benchmark", "hidden-effects", *order, "--out", str(out)]) == 1  # two cases meet no bar of 200
 
-    files = [path_of(tmp_path, task) for task in TASKS[:2]]
-    for case in [json.loads(file.read_text()) for file in files]:
+    assert killing.result() not in pids(cluster)
+    times_begun = Counter(file.name.split()[0] for file in begun.iterdir())
+    assert set(times_begun) == {task.name for task in TASKS[:2]}
+    assert max(times_begun.values()) > 1
+    for case in [json.loads(path_of(out, task).read_text()) for task in TASKS[:2]]:
         assert case["judged"]["right"], case
         assert any(decision.startswith("complete") for decision in case["decisions"])
         assert case["held_out"]["after"] == pytest.approx(1.0, abs=0.15)  # 512 samples tell a perfect model no better
