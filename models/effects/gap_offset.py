@@ -28,12 +28,18 @@ class GapOffset(Effect):
 
     @classmethod
     def trials(cls, scene: Scene) -> Iterator[Self]:
-        """From a quarter to ten times the clearance to either side; without one, of the largest displacement."""
+        """From a quarter to ten times the clearance to either side; without one, of the largest displacement.
+
+        Then those that bring one wall or the other into the motion, which may come to neither as they are given.
+        """
         assert scene.contact is not None
         gap = scene.contact.clearance or scene.displacement
         for share in (0.25, 1.0, 3.0, 10.0):
             yield cls(scene.place, offset=share * gap)
             yield cls(scene.place, offset=-share * gap)
+        for reached in scene.reached() if scene.contact.clearance else ():
+            yield cls(scene.place, offset=scene.rest + reached - gap)
+            yield cls(scene.place, offset=scene.rest - reached + gap)
 
     def change_contact(self, contact: Contact) -> Contact:
         """The contact around this centre."""

@@ -141,6 +141,14 @@ class Scene:
     loudness: float = 1.0
     lag: float = 0.0
 
+    def reached(self) -> tuple[float, ...]:
+        """Distances from rest that the motion comes to hard, often and hardly, m: of a wall that acts at all."""
+        return tuple(share * self.displacement for share in REACHED)
+
+
+REACHED = (0.3, 0.6, 0.9)
+"""Shares of the largest displacement."""
+
 
 @dataclass(frozen=True)
 class Measurement:

@@ -89,6 +89,21 @@ def test_the_middle_trial_of_hunt_crossley_damps_like_the_given_dashpot_at_the_l
     assert same.dissipation == pytest.approx(80.0 / (1.5 * 1e5 * 2e-5))
 
 
+@pytest.mark.parametrize("kind", [Clearance, GapOffset])
+@pytest.mark.parametrize("rest", [5e-5, -5e-5, 0.0])
+def test_a_wall_that_the_motion_does_not_come_to_is_tried_where_it_does(kind, rest):
+    """Of a gap of 0.2 mm no share brings a wall into a motion of 0.015 mm about a rest 0.05 mm off the axis."""
+    scene = scene_at(SLEEVE, displacement=1.5e-5, rest=rest)
+    contacts = [changed(effect) for effect in kind.trials(scene)]
+    walls = {
+        side: [side * (contact.offset + side * contact.clearance - rest) / scene.displacement for contact in contacts]
+        for side in (1.0, -1.0)
+    }
+    met = {side: sorted(round(each, 6) for each in reached if 0.0 < each < 1.0) for side, reached in walls.items()}
+    sides = (1.0, -1.0) if kind is GapOffset or rest == 0.0 else (float(np.sign(rest)),)
+    assert {side: reached for side, reached in met.items() if reached} == dict.fromkeys(sides, [0.3, 0.6, 0.9])
+
+
 @pytest.mark.parametrize(("t", "damping"), [(0.0, 90.0), (1.0, 90.0), (2.0, 60.0), (3.0, 30.0), (9.0, 30.0)])
 def test_the_damping_follows_the_table_and_is_constant_outside(t, damping):
     law = changed(TimeVaryingDamping(SLEEVE, times=(1.0, 3.0), values=(90.0, 30.0))).law
