@@ -52,12 +52,12 @@ OF_REPORTED = f"""\
 Of earlier diagnoses {sum(n for n, _ in BEFORE.values())} reported cases of {len(BEFORE)} seeds were run and looked at
 (`BEFORE` in `testbed/hidden_effects/sets.py`); they do not count. Absorbers of the first batch, clearances up to seed
 21911, and all gaps that are narrower or off centre up to seed 57203 come out otherwise when they are drawn again, since
-the search for their size begins at one of the library's own trials, which were changed since. The rule for the newest batches was fixed while seed 19387 ran and two of its cases
-were done, both right. Up to seed 33301 all begin with the same kind and the same law; batches since begin behind those
-that had been drawn most. Since seed 43201 what is found is held against laws more general than the library's, which
-hold five of the first six laws outside it within them; since seed 44203 three that they do not hold take turns too.
-Since seed 47303 that is asked after the first round already, and a linear law with a memory is held within them, too;
-since seed 54001 they are looked for along the whole beam then.
+the search for their size begins at one of the library's own trials, which were changed since. The rule for the newest
+batches was fixed while seed 19387 ran and two of its cases were done, both right. Up to seed 33301 all begin with the
+same kind and the same law; batches since begin behind those that had been drawn most. Since seed 43201 what is found is
+held against laws more general than the library's, which hold five of the first six laws outside it within them; since
+seed 44203 three that they do not hold take turns too. Since seed 47303 that is asked after the first round already, and
+a linear law with a memory is held within them, too; since seed 54001 they are looked for along the whole beam then.
 Since seed 48611 a quarter of the cases is outside the library, where others have a tenth: these were the fewest.
 """
 

@@ -518,8 +518,8 @@ REPORTED = CaseSet(
             "08e933c",
             9,
             taught="walls are tried where the motion comes to, which may be far from any share of the gap",
-            run="Two threads, one case at a time with the machine to itself. Ended by hand for what it taught: the next "
-            "seed judges that. The case then at work is left out.",
+            run="Two threads, one case at a time with the machine to itself. Ended by hand for what it taught: the "
+            "next seed judges that. The case then at work is left out.",
             first_kind="force_gain",
             first_law="growing_damping",
             n_laws=9,

@@ -101,7 +101,7 @@ def test_a_wall_that_the_motion_does_not_come_to_is_tried_where_it_does(kind, re
     }
     met = {side: sorted(round(each, 6) for each in reached if 0.0 < each < 1.0) for side, reached in walls.items()}
     sides = (1.0, -1.0) if kind is GapOffset or rest == 0.0 else (float(np.sign(rest)),)
-    assert {side: reached for side, reached in met.items() if reached} == dict.fromkeys(sides, [0.3, 0.6, 0.9])
+    assert {side: reached for side, reached in met.items() if reached} == {side: [0.3, 0.6, 0.9] for side in sides}
 
 
 @pytest.mark.parametrize(("t", "damping"), [(0.0, 90.0), (1.0, 90.0), (2.0, 60.0), (3.0, 30.0), (9.0, 30.0)])
