@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
 from testbed.hidden_effects.bars import interval_of, threads_of
+from testbed.hidden_effects.detection import SIZES
 from testbed.hidden_effects.plan import NOTHING, OUTSIDE
 from testbed.hidden_effects.scores import STAGES, beliefs_of
 from testbed.outputs import Json
@@ -134,13 +135,21 @@ def plot_detection(ax: Axes, detection: Json) -> None:
     for limit in detection["limits"]:
         if limit["ratio"] is not None:
             ax.plot(limit["snr_db"], [limit["ratio"]] * 2, color="black", linewidth=1.2)
-    ax.plot([], [], color="black", linewidth=1.2, label="from here on 90 % are right")
+            low, high = (end or edge for end, edge in zip(limit["interval"], (SIZES[0], SIZES[-1]), strict=True))
+            ax.fill_between(limit["snr_db"], low, high, color="black", alpha=0.1, linewidth=0.0)
+    ax.plot([], [], color="black", linewidth=1.2, label="here 90 % are right,\ninterval of 95 %")
     ax.set_yscale("log")
+    ax.set_ylim(*_about([row["ratio"] for row in detection["rows"]]))
     ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0)))
     ax.yaxis.set_major_formatter(PLAIN)
     ax.yaxis.set_minor_formatter(NullFormatter())
     ax.set(xlabel="SNR of the channels [dB]", ylabel="calibrated error / noise [-]")
     ax.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
+def _about(values: Sequence[float]) -> tuple[float, float]:
+    """A range around values on a logarithmic axis."""
+    return 0.8 * min(values), 1.25 * max(values)
 
 
 def plot_seconds(ax: Axes, seconds: Json) -> None:

@@ -88,8 +88,8 @@ Right, and yet the error on the record held out is more than {FAR:g} times the t
 """
 
 DETECTED = """\
-Right of all, by the error of the calibrated model over the noise. A limit that the picture draws is where the share of
-all larger ones comes to nine of ten; it says nothing of the small ones alone, and this table does.
+Right of all, by the error of the calibrated model over the noise. The limits that the picture draws are where a
+logistic curve through all cases of an SNR comes to nine of ten, with their intervals of 95 %.
 """
 
 BY_ENGINE = """\
@@ -335,9 +335,15 @@ def _counts(summary: Json) -> Iterator[str]:
     for limit in summary["detection"]["limits"]:
         low, high = limit["snr_db"]
         if limit["ratio"] is not None:
-            drawn = ", the smallest that was drawn: the limit lies below" if limit["is_least"] else ""
-            yield f"At {low:g} to {high:g} dB nine of ten effects are right that show {limit['ratio']:.3g} times the"
-            yield f"noise or more{drawn}."
+            yield f"At {low:g} to {high:g} dB nine of ten effects are right that show {limit['ratio']:.2g} times the"
+            yield f"noise ({_between(*limit['interval'])})."
+
+
+def _between(low: float | None, high: float | None) -> str:
+    """An interval in words, either end of which may not be told."""
+    if low is None or high is None:
+        return "not told better" if low is high else f"at least {low:.2g}" if high is None else f"at most {high:.2g}"
+    return f"{low:.2g} to {high:.2g}"
 
 
 def _seconds(summary: Json) -> Iterator[str]:

@@ -8,10 +8,11 @@ import numpy as np
 
 from identification.reached import NOISE_REACHED
 from testbed.hidden_effects.bars import bars_of
+from testbed.hidden_effects.detection import detection
 from testbed.hidden_effects.judge import NEAR, are_there, position_of
 from testbed.hidden_effects.newest import newest_of
 from testbed.hidden_effects.plan import NOTHING, OUTSIDE, TWO
-from testbed.hidden_effects.sets import FEW, MANY, MOST, SETS, Span
+from testbed.hidden_effects.sets import FEW, MANY, MOST, SETS
 from testbed.outputs import Json
 
 STAGES = ("before", "calibrated", "after")
@@ -22,12 +23,6 @@ ONE = "one effect"
 
 PROBABILITY_EDGES = (0.0, 0.5, 0.8, 0.95, 0.99, 1.0)
 """Of the bins in which what the diagnosis believes is held against how often it is right."""
-
-SIZE_EDGES = (0.0, 2.0, 3.0, MANY, 10.0, np.inf)
-"""Calibrated errors over the noise, between which the cases are counted."""
-
-RELIABLY = 0.9
-"""Share of the cases from a size on that are right, where that size is called detected."""
 
 
 def summary_of(cases: Sequence[Json], case_set: str) -> Json:
@@ -85,7 +80,7 @@ def summary_of(cases: Sequence[Json], case_set: str) -> Json:
         "located_since": located([c for c in done if len(c["hidden"]) == 1 and c["seed"] >= LOCATED_ANEW]),
         "contradicted": {name: contradicted(group) for name, group in groups.items()},
         "rig_numbers": rig_numbers([case for case in done if case["judged"]["right"]]),
-        "detection": detection([c for c in done if class_of(c) == ONE], SETS[case_set].snr),
+        "detection": detection([_sized(c) for c in done if class_of(c) == ONE], SETS[case_set].snr),
         "farthest": [_miss(case) for case in farthest(done)],
         "misses": [_miss(case) for case in cases if "judged" not in case or not case["judged"]["right"]],
     }
@@ -434,47 +429,6 @@ def held_out(cases: Sequence[Json]) -> Json:
     }
 
 
-def detection(cases: Sequence[Json], snr: Span) -> Json:
-    """How many effects of each size are found, and from which size on they are, for two ranges of SNR.
-
-    Args:
-        cases: of one effect, done.
-        snr: of the set, dB; its halves are the ranges.
-    """
-    ranges = tuple(pairwise((snr.low, 0.5 * (snr.low + snr.high), snr.high)))
-    rows = [
-        {"snr_db": c["snr_db"], "ratio": _ratio(c), "right": c["judged"]["right"], "case": c["case"]} for c in cases
-    ]
-    limits = []
-    for low, high in ranges:
-        inside = sorted((r for r in rows if low <= r["snr_db"] <= high), key=lambda row: row["ratio"])
-        first = _limit(inside)
-        ratio = None if first is None else inside[first]["ratio"]
-        limits.append({"snr_db": [low, high], "cases": len(inside), "ratio": ratio, "is_least": first == 0})
-    return {
-        "rows": rows,
-        "limits": limits,
-        "by_size": [_of_size(rows, ranges, *edges) for edges in pairwise(SIZE_EDGES)],
-    }
-
-
-def _of_size(rows: Sequence[Json], ranges: Sequence[tuple[float, float]], low: float, high: float) -> Json:
-    """Counts of the cases between two sizes, for each range of SNR."""
-    alike = [row for row in rows if low <= row["ratio"] < high]
-    within = [[r for r in alike if least <= r["snr_db"] <= most] for least, most in ranges]
-    counts = [{"right": sum(row["right"] for row in some), "cases": len(some)} for some in within]
-    return {"from": low, "to": high if np.isfinite(high) else None, "counts": counts}
-
-
-def _limit(rows: Sequence[Json]) -> int | None:
-    """The first case that is right and from which on enough of them are, by size; None where none is."""
-    for first, row in enumerate(rows):
-        beyond = rows[first:]
-        if row["right"] and sum(row["right"] for row in beyond) >= RELIABLY * len(beyond):
-            return first
-    return None
-
-
 def seconds(cases: Sequence[Json]) -> Json:
     """What a case takes on as many threads as the bar has cores, where any ran so, and what the others took.
 
@@ -576,6 +530,10 @@ def _by_law(cases: Sequence[Json]) -> dict[str, list[Json]]:
 
 def _with_law(cases: Sequence[Json]) -> list[Json]:
     return [case | {"law": case["hidden"][0]["kind"]} for case in cases if case.get("hidden")]
+
+
+def _sized(case: Json) -> Json:
+    return {"snr_db": case["snr_db"], "ratio": _ratio(case), "right": case["judged"]["right"], "case": case["case"]}
 
 
 def _miss(case: Json) -> Json:

@@ -154,14 +154,6 @@ def test_of_two_effects_the_first_has_to_be_there(place_error, there):
     assert (row["right"], row["cases"]) == (there, 1)
 
 
-def test_the_detection_limit_is_the_size_from_which_on_nine_of_ten_are_right():
-    cases = [made_up("point_mass", 6 * n, right=n >= 4, ratio=2.0 + n) for n in range(20)]  # all at 40 dB
-    low, high = summary_of(cases, "reported")["detection"]["limits"]
-    assert low["ratio"] == 6.0  # from the third on 16 of 17 would be, but the limit is no miss
-    assert not low["is_least"]
-    assert high["ratio"] is None
-
-
 def test_numbers_of_the_rig_count_where_the_diagnosis_is_right():
     told = [made_up("point_mass", n, right=n < 2, rig_numbers=[{"inside": n == 0}]) for n in range(3)]
     outside = made_up("outside", 0, rig_numbers=[{"inside": True}])
@@ -169,22 +161,6 @@ def test_numbers_of_the_rig_count_where_the_diagnosis_is_right():
 
     assert summary["rig_numbers"] == {"cases": 2, "count": 2, "inside": 1}
     assert "inside their intervals of 95 %\n1 of 2, in 2 cases." in page_of(summary, {}, "testbed")
-
-
-def test_effects_of_each_size_are_counted_by_their_snr():
-    cases = [made_up("point_mass", 6 * n, right=n > 0, ratio=1.5 + n) for n in range(3)]  # all at 40 dB
-    summary = summary_of(cases, "reported")
-
-    counts = {row["from"]: row["counts"] for row in summary["detection"]["by_size"]}
-    assert counts[0.0] == [{"right": 0, "cases": 1}, {"right": 0, "cases": 0}]
-    assert counts[2.0][0] == {"right": 1, "cases": 1}
-    assert counts[3.0][0] == {"right": 1, "cases": 1}
-    assert "| 2 to 3 | 1 of 1 | 0 of 0 | 1 of 1 | 0.03 to 1.00 |" in page_of(summary, {}, "testbed")
-
-
-def test_where_the_smallest_is_right_the_limit_lies_below():
-    low, _ = summary_of([made_up("point_mass", 6 * n) for n in range(3)], "reported")["detection"]["limits"]
-    assert low["is_least"]
 
 
 def test_without_a_case_no_bar_is_missed_but_those_that_count_cases():
