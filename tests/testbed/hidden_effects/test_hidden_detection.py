@@ -30,7 +30,7 @@ def test_the_limit_is_where_nine_of_ten_are_right():
 def test_the_interval_holds_the_limit_in_most_draws():
     held = [found["interval"] for seed in range(40) for found in [limit_of(drawn(200, 3.0, 2.0, seed))]]
     inside = sum((low or 0.0) <= 3.0 <= (high or np.inf) for low, high in held)
-    assert inside >= 33  # of 40, that 95 % give fewer in one of five hundred such tests
+    assert inside >= 33  # of 40, that 95 % give fewer in one of fourteen hundred tests
 
 
 def test_misses_that_have_nothing_to_do_with_size_leave_an_end_of_the_interval_open():
