@@ -173,6 +173,8 @@ def finals(
             found = first.hypothesis
         result = refit_sketched(fitting, base, found)
         if result is not None:
+            effect = result.hypothesis.effects[-1]
+            progress(f"{effect.label()} leaves {result.ratio:.2f} times the noise, {base.ratio:.2f} without it")
             ranked.append(Ranked.of(result, sketch=sketch.fit))
             if _leads(result, sketch) and (leader is None or result.ratio < leader[1].fit.ratio):
                 leader = (sketch, Leader(result, fitting))

@@ -34,7 +34,8 @@ FORCE_BAR = 0.05
 FRICTION = "coulomb_friction"
 
 MOST_ADDED = 2
-"""Friction and one effect beside it: what friction alone leaves, 3.5 times the noise and more, bends its value."""
+"""Friction and one effect beside it, as far as the error on the half kept aside goes. Weights are compared by friction
+alone: what is added beside it is not the same at each, so it is none of the frame's, and bends the friction's value."""
 
 FRAME = Rig(
     structure=Oscillator(kind="oscillator", mass=3.0799, stiffness=1191.0, damping=0.669),
@@ -65,7 +66,8 @@ class WeightResult:
     Attributes:
         weight: g.
         diagnosis: from the first half.
-        force, std: of the friction, N.
+        force, std: of the friction, N, in the model that lacks nothing but friction: the same model at every weight.
+        beside, beside_std: the same beside what else was found.
         given, linear, updated: rms error on the second half, mm: as given, calibrated linear, and with what was found.
         loose: stiffness, N/m, of a linear model whose tolerances were taken away, and its rms error, mm.
         unheld: diagnosis of the same half that is given the loose model and may add nothing: is it complete?
@@ -77,6 +79,8 @@ class WeightResult:
     diagnosis: Diagnosis
     force: float
     std: float
+    beside: float
+    beside_std: float
     given: float
     linear: float
     updated: float
@@ -94,12 +98,14 @@ class FrictionFrame:
     Attributes:
         rows: by weight.
         predicted, predicted_std: friction at the last weight on the line through the others, N.
+        predicted_beside: the same beside what else was found at each weight.
         elsewhere: weight -> weight -> rms error, mm, of the loose linear model fitted at the first on the second.
     """
 
     rows: Sequence[WeightResult]
     predicted: float
     predicted_std: float
+    predicted_beside: float
     elsewhere: Mapping[int, Mapping[int, float]]
 
     @property
@@ -163,9 +169,11 @@ def study_friction_frame(folder: Path, seed: int, jobs: int, progress: Progress)
         for weight, future in sorted(waiting.items()):
             rows.append(future.result())
             progress(f"{weight} g: {rows[-1].diagnosis.verdict}, {', '.join(_labels(rows[-1].diagnosis))}")
-    line = predicted_force([(row.weight, row.force, row.std) for row in rows[:-1]], rows[-1].weight)
+    *learnt, last = rows
+    line = predicted_force([(row.weight, row.force, row.std) for row in learnt], last.weight)
+    beside, _ = predicted_force([(row.weight, row.beside, row.beside_std) for row in learnt], last.weight)
     elsewhere = {row.weight: _elsewhere(row.loose[0], tests) for row in rows}
-    return FrictionFrame(rows, *line, elsewhere)
+    return FrictionFrame(rows, *line, beside, elsewhere)
 
 
 def _labels(diagnosis: Diagnosis) -> list[str]:
@@ -216,12 +224,8 @@ def weight_result(test: Halves, seed: int) -> WeightResult:
         seed: of every random choice.
     """
     found = diagnose(FRAME, [test.first], seed=seed, jobs=1, most_effects=MOST_ADDED)
-    force, std = 0.0, 0.0
-    for added in found.added:
-        if added.effect.kind == FRICTION:
-            estimate = next(e for e in added.estimates if e.name == "friction_force")
-            force, std = float(np.mean(estimate.value)), float(np.mean(estimate.std))
-            break
+    is_alone = len(found.added) <= 1
+    alone = found if is_alone else diagnose(FRAME, [test.first], seed=seed, jobs=1, most_effects=1)
     calibrated = found.calibrated
     loose = _loose(test.first)
     unheld = diagnose(loose.updated_rig, [test.first], seed=seed, jobs=1, most_effects=0)
@@ -234,8 +238,8 @@ def weight_result(test: Halves, seed: int) -> WeightResult:
     return WeightResult(
         test.weight,
         _lighter(found),
-        force,
-        std,
+        *_friction(alone),
+        *_friction(found),
         given,
         linear,
         updated,
@@ -245,6 +249,15 @@ def weight_result(test: Halves, seed: int) -> WeightResult:
         measured,
         left[2],
     )
+
+
+def _friction(diagnosis: Diagnosis) -> tuple[float, float]:
+    """(force, standard deviation), N; none where no friction was found."""
+    for added in diagnosis.added:
+        if added.effect.kind == FRICTION:
+            estimate = next(each for each in added.estimates if each.name == "friction_force")
+            return float(np.mean(estimate.value)), float(np.mean(estimate.std))
+    return 0.0, 0.0
 
 
 def _lighter(diagnosis: Diagnosis) -> Diagnosis:

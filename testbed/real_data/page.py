@@ -40,6 +40,7 @@ def frame_json(study: FrictionFrame) -> Json:
         {
             "weight_g": row.weight,
             "friction_force": {"value": row.force, "std": row.std, "unit": "N"},
+            "friction_force_beside": {"value": row.beside, "std": row.beside_std, "unit": "N"},
             "errors_mm": {
                 "as given": row.given,
                 "calibrated": row.linear,
@@ -54,7 +55,13 @@ def frame_json(study: FrictionFrame) -> Json:
         for row in study.rows
     ]
     predicted = {"value": study.predicted, "std": study.predicted_std, "unit": "N"}
-    return {**verdict_of(study.bars), "predicted_at_450_g": predicted, "weights": rows}
+    beside = {"value": study.predicted_beside, "unit": "N"}
+    return {
+        **verdict_of(study.bars),
+        "predicted_at_450_g": predicted,
+        "predicted_at_450_g_beside": beside,
+        "weights": rows,
+    }
 
 
 def beam_json(study: BoltedBeam) -> Json:
@@ -120,12 +127,20 @@ def frame_page(study: FrictionFrame, command: str) -> str:
     def rest() -> Iterator[str]:
         yield "Rms error on the second half of each test, mm, and what friction was found on the first:"
         yield ""
-        yield "| weight | friction force [N] | as given | linear | with what was found |"
-        yield "|---|---|---|---|---|"
+        yield "| weight | friction force, alone [N] | beside all else found [N] | as given | linear | with all found |"
+        yield "|---|---|---|---|---|---|"
         for r in study.rows:
             errors = " | ".join(f"{value:.3f}" for value in (r.given, r.linear, r.updated))
-            yield f"| {r.weight} g | {r.force:.3f} +- {r.std:.3f} | {errors} |"
+            forces = f"{r.force:.3f} +- {r.std:.3f} | {r.beside:.3f} +- {r.beside_std:.3f}"
+            yield f"| {r.weight} g | {forces} | {errors} |"
         yield ""
+        if len(study.rows) > 1:
+            *_, last = study.rows
+            alone, beside = abs(study.predicted - last.force), abs(study.predicted_beside - last.beside)
+            yield f"The line through the others gives {study.predicted:.3f} +- {study.predicted_std:.3f} N at"
+            yield f"{last.weight} g for the friction alone, {alone:.3f} N from what is found there; beside all else"
+            yield f"that was found {study.predicted_beside:.3f} N, {beside:.3f} N from it."
+            yield ""
         yield "The linear model without tolerances, and its stiffness on every weight's second half, mm:"
         yield ""
         heads = " | ".join(f"on {row.weight} g" for row in study.rows)

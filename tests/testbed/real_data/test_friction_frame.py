@@ -13,7 +13,7 @@ from testbed.real_data.page import frame_json, frame_page
 PUBLISHED = Path(__file__).parents[3] / "results" / "friction_frame" / "friction_frame.json"
 FOLDER = Path(os.environ.get("TESTBED_DATA", "nowhere"), "friction_frame")
 WEIGHT = 450
-"""G; at this weight friction is all that is found."""
+"""G."""
 
 
 def assert_friction_does_what_no_linear_frame_does(weights):
@@ -33,7 +33,7 @@ def assert_friction_does_what_no_linear_frame_does(weights):
 def test_it_rubs_and_the_page_says_so(monkeypatch):
     monkeypatch.setattr(friction_frame, "MOST_ADDED", 1)
     row = weight_result(read_halves(FOLDER, WEIGHT), 0)
-    study = FrictionFrame([row], row.force, row.std, {WEIGHT: {WEIGHT: row.loose[1]}})
+    study = FrictionFrame([row], row.force, row.std, row.beside, {WEIGHT: {WEIGHT: row.loose[1]}})
     (weight,) = frame_json(study)["weights"]
     published = json.loads(PUBLISHED.read_text())["weights"][-1]
     assert_friction_does_what_no_linear_frame_does([weight])
