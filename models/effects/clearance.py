@@ -36,8 +36,9 @@ class Clearance(Effect):
         shares = (0.35, 0.6, 0.85, 1.2, 1.6, 2.5) if given > 0 else (0.03, 0.1, 0.3, 0.8)
         for share in shares:
             yield cls(scene.place, clearance=share * (given or scene.displacement))
-        if given > abs(scene.rest) + scene.displacement:
-            yield from (cls(scene.place, clearance=abs(scene.rest) + reached) for reached in scene.reached())
+        off = abs(scene.rest - scene.contact.offset)
+        if given > off + scene.displacement:
+            yield from (cls(scene.place, clearance=off + reached) for reached in scene.reached())
 
     def change_contact(self, contact: Contact) -> Contact:
         """The contact with this clearance."""

@@ -104,6 +104,14 @@ def test_a_wall_that_the_motion_does_not_come_to_is_tried_where_it_does(kind, re
     assert {side: reached for side, reached in met.items() if reached} == {side: [0.3, 0.6, 0.9] for side in sides}
 
 
+def test_a_gap_of_a_sleeve_off_its_axis_is_tried_where_the_nearer_wall_comes_into_the_motion():
+    contact = replace(CONTACT, offset=1e-4)
+    scene = scene_at(SLEEVE, contact=contact, displacement=1.5e-5, rest=5e-5)
+    lower = [contact.offset - effect.clearance for effect in Clearance.trials(scene)]
+    met = sorted(round((scene.rest - wall) / scene.displacement, 6) for wall in lower)
+    assert {0.3, 0.6, 0.9} <= set(met)
+
+
 @pytest.mark.parametrize(("t", "damping"), [(0.0, 90.0), (1.0, 90.0), (2.0, 60.0), (3.0, 30.0), (9.0, 30.0)])
 def test_the_damping_follows_the_table_and_is_constant_outside(t, damping):
     law = changed(TimeVaryingDamping(SLEEVE, times=(1.0, 3.0), values=(90.0, 30.0))).law
