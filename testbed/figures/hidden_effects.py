@@ -139,7 +139,8 @@ def plot_detection(ax: Axes, detection: Json) -> None:
             ax.fill_between(limit["snr_db"], low, high, color="black", alpha=0.1, linewidth=0.0)
     ax.plot([], [], color="black", linewidth=1.2, label="here 90 % are right,\ninterval of 95 %")
     ax.set_yscale("log")
-    ax.set_ylim(*_about([row["ratio"] for row in detection["rows"]]))
+    limits = [limit["ratio"] for limit in detection["limits"] if limit["ratio"] is not None]
+    ax.set_ylim(*_about([*(row["ratio"] for row in detection["rows"]), *limits]))
     ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0)))
     ax.yaxis.set_major_formatter(PLAIN)
     ax.yaxis.set_minor_formatter(NullFormatter())

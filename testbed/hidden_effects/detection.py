@@ -22,8 +22,8 @@ SIZE_EDGES = (0.0, 2.0, 3.0, MANY, 10.0, np.inf)
 FOUND = 0.9
 """Share of the effects of a size that are right, at which that size is called detected."""
 
-SIZES = np.geomspace(0.05, 100.0, 241)
-"""Times the noise, among which the limit is looked for."""
+SIZES = np.geomspace(1.0, 100.0, 161)
+"""Times the noise, among which the limit is looked for: what is not there leaves the noise itself."""
 
 STEEPNESS = (log(0.02), log(20.0))
 """Logarithms of the slopes between which the curve's is looked for, e-folds of the odds in an e-fold of the size."""
@@ -58,8 +58,8 @@ def limit_of(rows: Sequence[Json]) -> Json:
         rows: with ``ratio`` and ``right``.
 
     Returns:
-        the ``ratio``, None where all or none are right; the ``interval``, an end of which is None where it lies
-        beyond ``SIZES``.
+        the ``ratio``, None where all or none are right, or where it lies beyond ``SIZES``; the ``interval``, an end of
+        which is None where that does. Misses that have nothing to do with size raise the limit too.
     """
     right = np.array([row["right"] for row in rows], dtype=float)
     if not 0.0 < right.sum() < len(right):
@@ -75,8 +75,8 @@ def limit_of(rows: Sequence[Json]) -> Json:
 
     costs = np.array([least(limit) for limit in np.log(SIZES)])
     inside = np.flatnonzero(costs <= costs.min() + FALL)
-    ends = [float(SIZES[i]) if 0 < i < len(SIZES) - 1 else None for i in (inside[0], inside[-1])]
-    return {"ratio": float(SIZES[costs.argmin()]), "interval": ends}
+    found = [float(SIZES[i]) if 0 < i < len(SIZES) - 1 else None for i in (int(costs.argmin()), inside[0], inside[-1])]
+    return {"ratio": found[0], "interval": found[1:]}
 
 
 def _of_size(rows: Sequence[Json], ranges: Sequence[tuple[float, float]], low: float, high: float) -> Json:

@@ -89,7 +89,8 @@ Right, and yet the error on the record held out is more than {FAR:g} times the t
 
 DETECTED = """\
 Right of all, by the error of the calibrated model over the noise. The limits that the picture draws are where a
-logistic curve through all cases of an SNR comes to nine of ten, with their intervals of 95 %.
+logistic curve through all cases of an SNR comes to nine of ten, with their intervals of 95 %, as far as they lie above
+the noise itself. The curve goes to all, so misses that have nothing to do with size raise the limit.
 """
 
 BY_ENGINE = """\

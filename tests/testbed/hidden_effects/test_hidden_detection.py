@@ -33,9 +33,12 @@ def test_the_interval_holds_the_limit_in_most_draws():
     assert inside >= 33  # of 40, that 95 % give fewer in one of fourteen hundred tests
 
 
-def test_misses_that_have_nothing_to_do_with_size_leave_an_end_of_the_interval_open():
-    rows = [{"ratio": ratio, "right": n % 12 != 0} for n, ratio in enumerate(np.geomspace(1.0, 20.0, 120).tolist())]
-    assert None in limit_of(rows)["interval"]
+@pytest.mark.parametrize("one_in", [6, 12])
+def test_misses_that_have_nothing_to_do_with_size_tell_no_limit(one_in):
+    sizes = enumerate(np.geomspace(1.1, 20.0, 120).tolist())
+    found = limit_of([{"ratio": ratio, "right": n % one_in != 0} for n, ratio in sizes])
+    assert None in found["interval"]
+    assert one_in == 12 or found["ratio"] is None
 
 
 @pytest.mark.parametrize("right", [True, False])

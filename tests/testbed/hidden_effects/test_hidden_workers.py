@@ -68,7 +68,9 @@ def pids(cluster):
 
 def kill_the_first_at_work(begun):
     """The process that begins a case first, once it has."""
+    until = time.monotonic() + 60.0
     while not (files := list(begun.iterdir())):
+        assert time.monotonic() < until, "no case was begun"
         time.sleep(0.01)
     victim = int(files[0].name.split()[-1])
     os.kill(victim, signal.SIGKILL)
