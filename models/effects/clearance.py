@@ -29,16 +29,18 @@ class Clearance(Effect):
     def trials(cls, scene: Scene) -> Iterator[Self]:
         """Gaps from a third to 2.5 times the given one; where none is given, shares of the largest displacement.
 
-        Where the motion comes to no wall, gaps in which it does, too.
+        Where the motion comes to no wall, gaps in which it does, too, in the middle.
         """
         assert scene.contact is not None
         given = scene.contact.clearance
-        shares = (0.35, 0.6, 0.85, 1.2, 1.6, 2.5) if given > 0 else (0.03, 0.1, 0.3, 0.8)
-        for share in shares:
-            yield cls(scene.place, clearance=share * (given or scene.displacement))
+        if given == 0.0:
+            yield from (cls(scene.place, clearance=share * scene.displacement) for share in (0.03, 0.1, 0.3, 0.8))
+            return
+        yield from (cls(scene.place, clearance=share * given) for share in (0.35, 0.6, 0.85))
         off = abs(scene.rest - scene.contact.offset)
         if given > off + scene.displacement:
             yield from (cls(scene.place, clearance=off + reached) for reached in scene.reached())
+        yield from (cls(scene.place, clearance=share * given) for share in (1.2, 1.6, 2.5))
 
     def change_contact(self, contact: Contact) -> Contact:
         """The contact with this clearance."""

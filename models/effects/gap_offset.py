@@ -30,16 +30,17 @@ class GapOffset(Effect):
     def trials(cls, scene: Scene) -> Iterator[Self]:
         """From a quarter to ten times the clearance to either side; without one, of the largest displacement.
 
-        Then those that bring one wall or the other into the motion, which may come to neither as they are given.
+        Before them those that bring the upper wall into the motion, which may come to none as given, and behind them
+        those that bring the lower one: the middle of all is a plain one.
         """
         assert scene.contact is not None
         gap = scene.contact.clearance or scene.displacement
+        reached = scene.reached() if scene.contact.clearance else ()
+        yield from (cls(scene.place, offset=scene.rest + distance - gap) for distance in reached)
         for share in (0.25, 1.0, 3.0, 10.0):
             yield cls(scene.place, offset=share * gap)
             yield cls(scene.place, offset=-share * gap)
-        for reached in scene.reached() if scene.contact.clearance else ():
-            yield cls(scene.place, offset=scene.rest + reached - gap)
-            yield cls(scene.place, offset=scene.rest - reached + gap)
+        yield from (cls(scene.place, offset=scene.rest - distance + gap) for distance in reached)
 
     def change_contact(self, contact: Contact) -> Contact:
         """The contact around this centre."""
