@@ -542,7 +542,7 @@ REPORTED = CaseSet(
             left_out=(("hunt_crossley", 0),),
         ),
         59407: Batch(
-            "d3fc7c9",
+            "77cbfa1",
             first_kind="point_stiffness",
             first_law="broken_spring",
             n_laws=9,
@@ -620,7 +620,7 @@ of such a record. Errors are of all channels together, each quantity by its own 
             n_laws=9,
         ),
         50021: Batch(
-            "d3fc7c9",
+            "77cbfa1",
             first_kind="local_damage",
             first_law="growing_damping",
             n_laws=9,
