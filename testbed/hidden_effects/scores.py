@@ -152,9 +152,14 @@ def batch_of(cases: Sequence[Json]) -> Json:
         cases: of that seed.
     """
     kept = held_out([case for case in cases if "judged" in case and class_of(case) != CLASSES[OUTSIDE]])
-    rows = {name: row_of(group) for name, group in _by_class(cases).items()}
-    counts = {name: {key: row[key] for key in ("right", "cases")} for name, row in rows.items()}
+    counts = {name: _counts_of(group) for name, group in _by_class(cases).items()}
     return {"cases": len(cases), "classes": counts, "after_median": kept["median"]}
+
+
+def _counts_of(cases: Sequence[Json]) -> Json:
+    """How many of a group are right, and how many it has."""
+    row = row_of(cases)
+    return {key: row[key] for key in ("right", "cases")}
 
 
 def class_of(case: Json) -> str:
@@ -485,11 +490,7 @@ def by_engine(cases: Sequence[Json], key: str) -> Json:
         key: of a case, by which they are told apart.
     """
     return {
-        kind: {
-            engine: {"right": row["right"], "cases": row["cases"]}
-            for engine, some in _by(group, "engine").items()
-            for row in (row_of(some),)
-        }
+        kind: {engine: _counts_of(some) for engine, some in _by(group, "engine").items()}
         for kind, group in _by(cases, key).items()
     }
 
