@@ -624,6 +624,7 @@ of such a record. Errors are of all channels together, each quantity by its own 
             first_kind="local_damage",
             first_law="growing_damping",
             n_laws=9,
+            more_outside=True,
         ),
     },
     shape=1.0,
