@@ -15,10 +15,10 @@ PYTHON ?= $(shell for p in python3.14 python3.13 python3.12 python3.11 python3 p
 demo: $(STAMP)  ## run the whole loop on a virtual test and write results/demo
 	@$(BIN)/testbed demo --out results/demo
 
-test: $(STAMP)  ## run all tests but the whole studies
+test: $(STAMP)  ## run all tests but the long studies
 	@$(BIN)/python -m pytest -q -n 2 --dist worksteal -m 'not study'
 
-studies: $(STAMP)  ## make the whole studies again and hold them to their bars
+studies: $(STAMP)  ## make the long studies again and hold them to their bars
 	@$(BIN)/python -m pytest -q -n 2 --dist worksteal -m study
 
 bench: $(STAMP)  ## run the benchmarks and print their ratios

@@ -543,6 +543,8 @@ REPORTED = CaseSet(
         ),
         59407: Batch(
             "77cbfa1",
+            run="The first four on two threads, the first two of them beside a third process for a part of their time; "
+            "the others on one thread, beside up to four others: their seconds are too high.",
             first_kind="point_stiffness",
             first_law="broken_spring",
             n_laws=9,

@@ -1,4 +1,8 @@
-"""The three studies on the published files, which lie in the folder that TESTBED_DATA names."""
+"""The three studies on the published files, which lie in the folder that TESTBED_DATA names.
+
+The frame's is held to its bars with every run of the tests: one of them, by how much a weight is predicted from two
+others, has fallen once while only whole studies watched it.
+"""
 
 import json
 import os
@@ -7,18 +11,25 @@ from pathlib import Path
 import pytest
 
 from testbed.cli.app import main
-from tests.testbed.real_data.test_friction_frame import assert_friction_does_what_no_linear_frame_does
 
-pytestmark = [pytest.mark.real_data, pytest.mark.slow, pytest.mark.study]
+pytestmark = [pytest.mark.real_data, pytest.mark.slow]
 
 STUDIES = (
-    ("silverbox", "silverbox", "SNLS80mV.mat"),
-    ("friction-frame", "friction_frame", "s_b_450g_x.mat"),
-    ("bolted-beam", "brake_reuss_beam", "ForcedFrequencyResponses.mat"),
+    pytest.param("silverbox", "silverbox", "SNLS80mV.mat", id="silverbox", marks=pytest.mark.study),
+    pytest.param("friction-frame", "friction_frame", "s_b_450g_x.mat", id="friction-frame"),
+    pytest.param(
+        "bolted-beam",
+        "brake_reuss_beam",
+        "ForcedFrequencyResponses.mat",
+        id="bolted-beam",
+        marks=pytest.mark.study,
+    ),
 )
 
+PUBLISHED = Path(__file__).parents[3] / "results" / "friction_frame" / "friction_frame.json"
 
-@pytest.mark.parametrize(("study", "folder", "file"), STUDIES, ids=[row[0] for row in STUDIES])
+
+@pytest.mark.parametrize(("study", "folder", "file"), STUDIES)
 def test_every_bar_is_kept(study, folder, file, tmp_path):
     data = Path(os.environ.get("TESTBED_DATA", "nowhere"), folder)
     if not (data / file).is_file():
@@ -32,3 +43,18 @@ def test_every_bar_is_kept(study, folder, file, tmp_path):
     assert list((tmp_path / "figures").glob("*.png"))
     if study == "friction-frame":
         assert_friction_does_what_no_linear_frame_does(content["weights"])
+
+
+def assert_friction_does_what_no_linear_frame_does(weights):
+    """On the halves kept aside, which no number was learnt from, at every weight, as published; errors in mm.
+
+    A force's deviation is that of the noise alone. It does not hold what the law misses, and another processor's
+    rounding moves by as much: hence the hundredths of a newton.
+    """
+    for weight, published in zip(weights, json.loads(PUBLISHED.read_text())["weights"], strict=True):
+        force = published["friction_force"]
+        assert weight["friction_force"]["value"] == pytest.approx(force["value"], abs=max(0.02, 3.0 * force["std"]))
+        (first, *_), errors = weight["diagnosis"]["effects"], weight["errors_mm"]
+        assert first["against"] == "ground"
+        assert errors["updated"] <= 0.14
+        assert min(errors["as given"], errors["calibrated"], errors["linear, loose"]) > 3.0 * errors["updated"]
