@@ -97,16 +97,32 @@ class FrictionFrame:
 
     Attributes:
         rows: by weight.
-        predicted, predicted_std: friction at the last weight on the line through the others, N.
-        predicted_beside: the same beside what else was found at each weight.
         elsewhere: weight -> weight -> rms error, mm, of the loose linear model fitted at the first on the second.
     """
 
     rows: Sequence[WeightResult]
-    predicted: float
-    predicted_std: float
-    predicted_beside: float
     elsewhere: Mapping[int, Mapping[int, float]]
+
+    @property
+    def predicted(self) -> float:
+        """Friction at the last weight on the line through the others, N."""
+        return self._on_line[0]
+
+    @property
+    def predicted_std(self) -> float:
+        """Standard deviation of that, N."""
+        return self._on_line[1]
+
+    @property
+    def predicted_beside(self) -> float:
+        """The same friction beside what else was found at each weight, N."""
+        *learnt, last = self.rows
+        return predicted_force([(row.weight, row.beside, row.beside_std) for row in learnt], last.weight)[0]
+
+    @property
+    def _on_line(self) -> tuple[float, float]:
+        *learnt, last = self.rows
+        return predicted_force([(row.weight, row.force, row.std) for row in learnt], last.weight)
 
     @property
     def reasons(self) -> tuple[str, ...]:
@@ -174,11 +190,7 @@ def study_friction_frame(folder: Path, seed: int, jobs: int, progress: Progress)
         for weight, future in sorted(waiting.items()):
             rows.append(future.result())
             progress(f"{weight} g: {rows[-1].diagnosis.verdict}, {', '.join(_labels(rows[-1].diagnosis))}")
-    *learnt, last = rows
-    line = predicted_force([(row.weight, row.force, row.std) for row in learnt], last.weight)
-    beside, _ = predicted_force([(row.weight, row.beside, row.beside_std) for row in learnt], last.weight)
-    elsewhere = {row.weight: _elsewhere(row.loose[0], tests) for row in rows}
-    return FrictionFrame(rows, *line, beside, elsewhere)
+    return FrictionFrame(rows, {row.weight: _elsewhere(row.loose[0], tests) for row in rows})
 
 
 def _labels(diagnosis: Diagnosis) -> list[str]:

@@ -134,14 +134,13 @@ def frame_page(study: FrictionFrame, command: str) -> str:
             forces = f"{r.force:.3f} +- {r.std:.3f} | {r.beside:.3f} +- {r.beside_std:.3f}"
             yield f"| {r.weight} g | {forces} | {errors} |"
         yield ""
-        if len(study.rows) > 1:
-            *_, last = study.rows
-            alone, beside = abs(study.predicted - last.force), abs(study.predicted_beside - last.beside)
-            yield f"The line through the others gives {study.predicted:.3f} +- {study.predicted_std:.3f} N at"
-            yield f"{last.weight} g for the friction alone, {alone:.3f} N from what is found there; beside all else"
-            yield f"that was found {study.predicted_beside:.3f} N, {beside:.3f} N from it. That the first of these"
-            yield "has the bound was chosen when both were known."
-            yield ""
+        last = study.rows[-1]
+        alone, beside = abs(study.predicted - last.force), abs(study.predicted_beside - last.beside)
+        yield f"The line through the others gives {study.predicted:.3f} +- {study.predicted_std:.3f} N at"
+        yield f"{last.weight} g for the friction alone, {alone:.3f} N from what is found there; beside all else"
+        yield f"that was found {study.predicted_beside:.3f} N, {beside:.3f} N from it. That the first of these"
+        yield "has the bound was chosen when both were known."
+        yield ""
         yield "The linear model without tolerances, and its stiffness on every weight's second half, mm:"
         yield ""
         heads = " | ".join(f"on {row.weight} g" for row in study.rows)

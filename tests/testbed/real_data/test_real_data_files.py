@@ -105,7 +105,7 @@ def test_the_absurd_linear_fit_is_refused_with_reasons_made_of_its_numbers():
     loose = ((250, 1191.0 * exp(-2.0), 0.30, 0.10), (350, 1191.0 * exp(-3.0), 0.60, 0.05))
     free = SimpleNamespace(verdict="unexplained")
     rows = [SimpleNamespace(weight=w, loose=(k, error), updated=best, unheld=free) for w, k, error, best in loose]
-    stiffness, weights, aside, verdicts = FrictionFrame(rows, 1.3, 0.01, 1.3, {}).reasons
+    stiffness, weights, aside, verdicts = FrictionFrame(rows, {}).reasons
     assert "100 to 150 standard deviations off the authors' 1191 N/m" in stiffness  # 2 and 3 over the 2 % of tolerance
     assert "161, 59 N/m" in weights
     assert "3.0 to 12.0 times" in aside

@@ -39,10 +39,17 @@ def test_every_bar_is_kept(study, folder, file, tmp_path):
     content = json.loads(written.read_text())
     assert content["reached"]
     assert all(bar["met"] for bar in content["bars"])
-    assert (tmp_path / "README.md").is_file()
+    page = (tmp_path / "README.md").read_text(encoding="utf-8")
     assert list((tmp_path / "figures").glob("*.png"))
     if study == "friction-frame":
         assert_friction_does_what_no_linear_frame_does(content["weights"])
+        assert_the_page_holds_each_force(page, content["weights"])
+
+
+def assert_the_page_holds_each_force(page, weights):
+    for weight in weights:
+        force = weight["friction_force"]
+        assert f"| {weight['weight_g']} g | {force['value']:.3f} +- {force['std']:.3f} |" in page
 
 
 def assert_friction_does_what_no_linear_frame_does(weights):
