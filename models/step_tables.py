@@ -6,6 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from models.arrays import FloatArray
+from models.contact.protocol import ContactLaw
 from models.drive import Drive
 from models.law import law_address
 from models.modal import ModalModel, Modes
@@ -87,6 +88,7 @@ def items_of(model: ModalModel) -> Items:
     forces = [law.force for law in laws] + [contact.law.normal_force for contact in contacts]
     rates = [law_address(law.rate) if law.rate is not None else 0 for law in laws] + [0] * len(contacts)
     gaps = [(0.0,) * 4 for _ in laws]
+    straight = [(0.0,) * 3 for _ in laws] + [_straight(contact.law) for contact in contacts]
     gaps += [(c.clearance, c.offset, c.clearance_rate, float(is_bilateral(c))) for c in contacts]
     return Items(
         port=np.array([index[law.port] for law in laws] + [index[Port(c.position)] for c in contacts], np.int64),
@@ -96,5 +98,11 @@ def items_of(model: ModalModel) -> Items:
         offset=np.cumsum([0, *(len(row) for row in numbers)])[:-1].astype(np.int64),
         contact=np.array(gaps, float).reshape(-1, 4),
         is_contact=np.array([0] * len(laws) + [1] * len(contacts), np.int64),
+        straight=np.array(straight, float).reshape(-1, 3),
         rest_force=np.concatenate([model.rest.law_forces, model.rest.contact_forces]),
     )
+
+
+def _straight(law: ContactLaw) -> tuple[float, float, float]:
+    """A row of ``Items.straight``."""
+    return (0.0, 0.0, 0.0) if law.straight is None else (1.0, *law.straight)

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from models.arrays import FloatArray, IntArray
+from models.arrays import BoolArray, FloatArray, IntArray
 from models.law_call import call_law
 
 MAX_ITERATIONS = 60
@@ -37,6 +37,9 @@ ROUNDED = 1e-14
 CONVERGING = 0.1
 """Of the tolerance, below which the next change is not waited for: as it goes on from the last two, it is their ratio
 times the last. Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, section IV.8."""
+
+MOST_JOINED = 4
+"""Straight contacts that are solved for together: each set of them that may be closed has its own inverse matrix."""
 
 LEAST_DETERMINANT, LARGEST_DETERMINANT = 0.1, 1e6
 """Of Newton's 2 x 2 equations; others are met only where a difference straddles the gap's edge."""
@@ -110,6 +113,7 @@ class Items(NamedTuple):
         values, offset: all parameters in a row, and (n,) where each item's begin.
         contact: (n, 4) clearance, offset, clearance rate, 1 where bilateral; unused for point laws.
         is_contact: (n,) 1 for a contact.
+        straight: (n, 3) 1 where a contact's normal force is k p + c dp/dt, and k, N/m, and c, N s/m.
         rest_force: (n,) force at rest, already balanced, N.
     """
 
@@ -120,6 +124,7 @@ class Items(NamedTuple):
     offset: IntArray
     contact: FloatArray
     is_contact: IntArray
+    straight: FloatArray
     rest_force: FloatArray
 
 
@@ -152,11 +157,17 @@ class Memory(NamedTuple):
 
 
 @njit(**INLINE)
+def pressed(contact: FloatArray, j: int, t: float, side: float, q: float, v: float) -> tuple[float, float]:
+    """(p, dp/dt) of row j of ``Items.contact`` at q, v, against the wall on this side."""
+    return side * (q - contact[j, 1]) - contact[j, 0] - contact[j, 2] * t, side * v - contact[j, 2]
+
+
+@njit(**INLINE)
 def penetration_of(contact: FloatArray, j: int, t: float, q: float, v: float) -> tuple[float, float, float]:
     """(p, dp/dt, side) of row j of ``Items.contact`` at q, v."""
-    u = q - contact[j, 1]
-    side = 1.0 if u >= 0.0 else -1.0
-    return side * u - contact[j, 0] - contact[j, 2] * t, side * v - contact[j, 2], side
+    side = 1.0 if q - contact[j, 1] >= 0.0 else -1.0
+    p, rate = pressed(contact, j, t, side, q, v)
+    return p, rate, side
 
 
 @njit(**OPTIONS)
@@ -258,6 +269,105 @@ def law_step(
     q, v = halfway(h, q0, v0, q1, v1)
     rise = (call_law(law, t - 0.5 * h, q, v, 0.0, values, offset) - 0.5 * (force + last)) / 1.5
     return force + rise, last + rise
+
+
+@njit(**INLINE)
+def straight_step(
+    straight: FloatArray, contact: FloatArray, j: int, t: float, h: float,
+    p0: float, r0: float, side0: float, n0: float, q1: float, v1: float,
+) -> tuple[float, float, bool]:  # fmt: skip
+    """Weights (a, b) of a straight contact that is closed all through a step to t, and whether it is.
+
+    Arguments as of ``contact_step``; what is asked for is straight in q1 and v1, whether or not it is closed there.
+    """
+    p1, r1 = pressed(contact, j, t, side0, q1, v1)
+    p, rate = halfway(h, p0, r0, p1, r1)
+    middle, last = straight[j, 1] * p + straight[j, 2] * rate, straight[j, 1] * p1 + straight[j, 2] * r1
+    is_closed = contact[j, 3] > 0.0 or (p1 > 0.0 and middle >= 0.0 and last >= 0.0)
+    a, b = (2.0 * (n0 + middle) - last) / 3.0, (2.0 * (middle + last) - n0) / 3.0
+    return -side0 * a, -side0 * b, is_closed
+
+
+@njit(**OPTIONS)
+def inverses_of(
+    straight: FloatArray, joined: IntArray, port: IntArray, h: float,
+    q_start: FloatArray, q_end: FloatArray, v_start: FloatArray, v_end: FloatArray,
+) -> FloatArray:  # fmt: skip
+    """(2^n, 2n, 2n) inverse matrices of Newton's equations for the weights (a, b) of contacts closed throughout.
+
+    The binary digits of the first index tell which of them are closed; rows and columns of the others are 0. Forces
+    that are straight in the motion are met by one step of it.
+    """
+    n = len(joined)
+    whole = np.zeros((2 * n, 2 * n))
+    for s in range(n):
+        k, c = straight[joined[s], 1], straight[joined[s], 2]
+        i = port[joined[s]]
+        for r in range(n):
+            m = port[joined[r]]
+            for end in range(2):
+                q_by, v_by = (q_end[m, i], v_end[m, i]) if end else (q_start[m, i], v_start[m, i])
+                whole[2 * s, 2 * r + end] = c / h * q_by - (k * h / 12.0 + 0.5 * c) * v_by
+                whole[2 * s + 1, 2 * r + end] = (k + c / h) * q_by - (k * h / 12.0 - 0.5 * c) * v_by
+    found = np.zeros((1 << n, 2 * n, 2 * n))
+    for closed in range(1, 1 << n):
+        own = np.array([x for x in range(2 * n) if closed >> (x // 2) & 1])
+        part = np.eye(len(own))
+        for x in range(len(own)):
+            for y in range(len(own)):
+                part[x, y] += whole[own[x], own[y]]
+        inverse = np.linalg.inv(part)
+        for x in range(len(own)):
+            for y in range(len(own)):
+                found[closed, own[x], own[y]] = inverse[x, y]
+    return found
+
+
+@njit(**INLINE)
+def met_together(
+    inverses: FloatArray, closed: int, joined: IntArray, is_joined: BoolArray, straight: FloatArray,
+    contact: FloatArray, port: IntArray, t: float, h: float, p0: FloatArray, r0: FloatArray, side0: FloatArray,
+    n0: FloatArray, a: FloatArray, b: FloatArray, port_a: FloatArray, port_b: FloatArray, q1: FloatArray,
+    v1: FloatArray, q_start: FloatArray, q_end: FloatArray, v_start: FloatArray, v_end: FloatArray, fault: FloatArray,
+) -> tuple[int, float]:  # fmt: skip
+    """One linear step to the weights of all contacts in the set ``closed``, changed in place as the motion is.
+
+    Returns:
+        the set; none of them where one is not closed all through the step after that, and each must be met by itself;
+        and the largest change that was asked for, N.
+    """
+    largest, n_joined = 0.0, len(joined)
+    for s in range(n_joined):
+        j = joined[s]
+        fault[2 * s], fault[2 * s + 1] = 0.0, 0.0
+        if is_joined[j]:
+            q, v = q1[port[j]], v1[port[j]]
+            a_new, b_new, _ = straight_step(straight, contact, j, t, h, p0[j], r0[j], side0[j], n0[j], q, v)
+            fault[2 * s], fault[2 * s + 1] = a_new - a[j], b_new - b[j]
+            largest = max(largest, abs(fault[2 * s]) + abs(fault[2 * s + 1]))
+    for s in range(n_joined):
+        j = joined[s]
+        if is_joined[j]:
+            i = port[j]
+            da, db = 0.0, 0.0
+            for m in range(2 * n_joined):
+                da += inverses[closed, 2 * s, m] * fault[m]
+                db += inverses[closed, 2 * s + 1, m] * fault[m]
+            a[j] += da
+            b[j] += db
+            port_a[i] += da
+            port_b[i] += db
+            for m in range(len(q1)):
+                q1[m] += q_start[i, m] * da + q_end[i, m] * db
+                v1[m] += v_start[i, m] * da + v_end[i, m] * db
+    for s in range(n_joined):
+        j = joined[s]
+        if is_joined[j]:
+            q, v = q1[port[j]], v1[port[j]]
+            _, _, is_closed = straight_step(straight, contact, j, t, h, p0[j], r0[j], side0[j], n0[j], q, v)
+            if not is_closed:
+                closed = 0
+    return closed, largest
 
 
 @njit(**OPTIONS)
@@ -380,7 +490,7 @@ def march_on(  # noqa: C901, PLR0912, PLR0915
     """
     # Fields become locals, once: reading a field in a loop would count its references.
     exponential, in_start, in_end, port_start, port_end, q_read, v_read, q_rest, absolute, h = linear
-    law_of, rate_of, values, offset, contact, is_contact, rest_force = items[1:]
+    law_of, rate_of, values, offset, contact, is_contact, straight, rest_force = items[1:]
     port_of = items.port.astype(np.uint64)  # unsigned: no index has to be asked whether it counts from the end
     n, n_steps = exponential.shape[1], int(out.shape[1] - 1)
     n_ports, n_items, n_in, n_out = q_rest.shape[0], port_of.shape[0], in_start.shape[0], out.shape[0]
@@ -394,6 +504,11 @@ def march_on(  # noqa: C901, PLR0912, PLR0915
     force, before, port_a, port_b = np.zeros(n_items), memory.before.copy(), np.zeros(n_ports), np.zeros(n_ports)
     p0, r0, side0, n0 = np.zeros(n_items), np.zeros(n_items), np.ones(n_items), np.zeros(n_items)
     newton, steep, unmet = memory.newton.copy(), memory.steep.copy(), np.zeros(n_items, np.bool_)
+    joined = np.flatnonzero((straight[:, 0] > 0.0) & np.isfinite(straight[:, 1] + straight[:, 2]))[:MOST_JOINED]
+    inverses = inverses_of(straight, joined, items.port, h, q_start, q_end, v_start, v_end)
+    n_joined, fault, is_joined = len(joined), np.zeros(2 * len(joined)), np.zeros(n_items, np.bool_)
+    for s in range(n_joined if past == 0 else 0):
+        newton[joined[s]] = inverses[1 << s][2 * s : 2 * s + 2, 2 * s : 2 * s + 2]
     new = state.copy()
     first, second, new_first, new_second = state[:n], state[n:], new[:n], new[n:]
     q_state, v_state, out_state = new[q_read.first :], new[v_read.first :], new[read.first :]
@@ -450,7 +565,8 @@ def march_on(  # noqa: C901, PLR0912, PLR0915
             port_a[i], port_b[i] = 0.0, 0.0
         for j in range(n_items):
             i = port_of[j]
-            a[j], b[j] = force[j], 2.0 * force[j] - before[j]
+            is_open = is_contact[j] and p0[j] <= 0.0 and contact[j, 3] == 0.0
+            a[j], b[j] = force[j], 0.0 if is_open else 2.0 * force[j] - before[j]
             z1[j] = z0[j]
             port_a[i] += a[j] - rest_force[j]
             port_b[i] += b[j] - rest_force[j]
@@ -459,14 +575,29 @@ def march_on(  # noqa: C901, PLR0912, PLR0915
                 for m in range(n_ports):
                     q1[m] += q_start[i, m] * port_a[i] + q_end[i, m] * port_b[i]
                     v1[m] += v_start[i, m] * port_a[i] + v_end[i, m] * port_b[i]
+        closed = 0
+        for s in range(n_joined):
+            j = joined[s]
+            is_joined[j] = contact[j, 3] > 0.0 or (p0[j] > 0.0 and n0[j] >= 0.0)
+            closed += is_joined[j] << s
         largest = 0.0
         for iteration in range(MAX_ITERATIONS):
-            previous, largest = largest, 0.0
+            previous, largest, n_asked = largest, 0.0, 0
+            if closed > 0:
+                closed, largest = met_together(
+                    inverses, closed, joined, is_joined, straight, contact, port_of, t, h, p0, r0, side0, n0, a, b,
+                    port_a, port_b, q1, v1, q_start, q_end, v_start, v_end, fault,
+                )  # fmt: skip
+                for j in range(n_items if closed == 0 else 0):
+                    is_joined[j] = False
             for j in range(n_items):
+                if is_joined[j]:
+                    continue
                 i = port_of[j]
                 is_open = is_contact[j] and p0[j] <= 0.0 and a[j] == 0.0 and b[j] == 0.0 and contact[j, 3] == 0.0
                 if is_open and penetration_of(contact, j, t, q1[i], v1[i])[0] <= 0.0:  # to the end, as guessed
                     continue
+                n_asked += 1
                 change, da, db, is_steady = 0.0, 0.0, 0.0, False
                 if (steep[j] or (iteration >= STEEP_AFTER and unmet[j])) and not is_contact[j] and rate_of[j] == 0:
                     q_by, v_by = q_start[i, i] + q_end[i, i], v_start[i, i] + v_end[i, i]
@@ -525,7 +656,7 @@ def march_on(  # noqa: C901, PLR0912, PLR0915
                 for m in range(n_ports):
                     q1[m] += q_start[i, m] * da + q_end[i, m] * db
                     v1[m] += v_start[i, m] * da + v_end[i, m] * db
-            if largest < tolerance or largest * largest < CONVERGING * tolerance * previous:
+            if n_asked == 0 or largest < tolerance or largest * largest < CONVERGING * tolerance * previous:
                 break
         for i in range(n_ports):
             if port_a[i] != 0.0 or port_b[i] != 0.0:

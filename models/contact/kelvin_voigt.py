@@ -40,3 +40,11 @@ class KelvinVoigt(ContactLaw):
     def values(self) -> tuple[float, ...]:
         """(k, c)."""
         return (self.stiffness, self.damping)
+
+    @property
+    def straight(self) -> tuple[float, float] | None:
+        """(k, c); None of a law that derives from this one and has a force of its own."""
+        if self.normal_force is not KelvinVoigt.normal_force:
+            return None
+        stiffness, damping = self.values
+        return stiffness, damping

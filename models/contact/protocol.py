@@ -45,6 +45,11 @@ class ContactLaw(ABC):
         """Of the penetration in the elastic part."""
         return 1.0
 
+    @property
+    def straight(self) -> tuple[float, float] | None:
+        """(k, c), N/m and N s/m, where the force is k p + c dp/dt whatever they are; None where it is not."""
+        return None
+
     def elastic(self, p: float) -> float:
         """Force, N, at a penetration p (m) that stands still, at the record's start."""
         return self.normal_force(0.0, p, 0.0, 0.0, self.values)

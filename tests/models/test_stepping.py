@@ -5,18 +5,31 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from model_scenes import REFERENCE, burst, multisine, nrmse, record_of, rig_with, sleeve
+from numba import njit
 
 from models.band_limit import STOP_EDGE
+from models.contact.kelvin_voigt import KelvinVoigt
 from models.drive import STILL, Drive
 from models.effects import EFFECTS, Place
 from models.law import law_address
 from models.modal import build_modal
 from models.plant import build_plant
-from models.ports import PointLaw, Port
+from models.ports import Contact, PointLaw, Port
 from models.rig import Excitation, Oscillator, Rig
 from models.simulate import STEP_RATE, Settings, simulate
 from models.step_tables import items_of, linear_of
-from models.stepping import Reading, crossing, halfway, internal_state, march, part_step, steady_force
+from models.stepping import (
+    Reading,
+    contact_step,
+    crossing,
+    halfway,
+    internal_state,
+    inverses_of,
+    march,
+    part_step,
+    steady_force,
+    straight_step,
+)
 
 FS, N = 1024.0, 512
 LAST = Place(position=1.0)
@@ -32,16 +45,28 @@ def free_beam(*effects):
     return build_plant(rig_with(), extra=effects)
 
 
-def moved(plant, seconds, steps_per_second, velocity):
-    """(time, q, v, port q, port forces, model) of a free motion from the modal velocities given."""
+def moved(plant, seconds, steps_per_second, velocity, one_by_one=False, tolerance=1e-9):
+    """(time, q, v, port q, port forces, model) of a free motion from the modal velocities given.
+
+    Args:
+        plant: that moves.
+        seconds: for so long.
+        steps_per_second: of the stepper.
+        velocity: at the start.
+        one_by_one: each contact is iterated for by itself, whatever its law.
+        tolerance: N.
+    """
     model = build_modal(plant, STOP_EDGE * 2048.0)
     h, n = 1.0 / steps_per_second, int(seconds * steps_per_second)
     system, linear, inputs = linear_of(model, Drive(np.zeros(n), None, STILL, None), h)
     start = np.zeros(2 * model.n)
     start[model.n : model.n + len(velocity)] = velocity
     items, n_ports = items_of(model), len(model.ports)
+    if one_by_one:
+        items = items._replace(straight=np.zeros_like(items.straight))
     out, trace = np.empty((2 * model.n, n)), np.empty((n, 2 * n_ports + len(items.port)))
-    done = march(linear, items, inputs, STILL, system.from_modal @ start, Reading.of(system.to_modal), out, trace, 1e-9)
+    read = Reading.of(system.to_modal)
+    done = march(linear, items, inputs, STILL, system.from_modal @ start, read, out, trace, tolerance)
     assert done == n - 1
     q, v = np.split(out, 2)
     return np.arange(n) * h, q, v, trace[:, :n_ports].T, trace[:, 2 * n_ports :].T, model
@@ -165,6 +190,112 @@ def test_a_sleeve_without_clearance_holds_alike_from_below_and_from_above(law):
     # The stepper's iteration ends at 1e-9 of the motion, on either side.
     np.testing.assert_allclose(down, -up, atol=1e-6 * np.abs(up).max())
     assert np.abs(up[:, -1000:]).max() < 0.9 * np.abs(up[:, :1000]).max()
+
+
+FIVE = [sleeve(0.2 * k, clearance=1e-4, damping=40.0) for k in range(1, 6)]
+WEAR = EFFECTS["wear"](ON_SLEEVE, rate=1e-4)
+TOGETHER = {
+    "two sleeves": beam,
+    "without clearance": lambda: beam(clearance=0.0),
+    "off its axis": lambda: beam(EFFECTS["gap_offset"](ON_SLEEVE, offset=2e-4)),
+    "that wears": lambda: beam(WEAR),
+    "dashpots that would pull": lambda: beam(damping=400.0, clearance=5e-5),
+    "a film beside them": lambda: beam(EFFECTS["squeeze_film"](ON_SLEEVE, damping=18.0)),
+    "friction beside them": lambda: beam(EFFECTS["coulomb_friction"](LAST, friction_force=1.0, slip_velocity=1e-3)),
+    "more than are joined": lambda: build_plant(rig_with(*FIVE)),
+    "another law beside one": lambda: build_plant(rig_with(sleeve(0.45), sleeve(1.0, law="hunt_crossley"))),
+}
+
+
+@pytest.mark.parametrize("case", TOGETHER)
+def test_straight_contacts_are_met_together_as_one_by_one(case):
+    plant = TOGETHER[case]()
+    (_, q, v, port_q, forces, _), one_by_one = (
+        moved(plant, 0.2, 8192.0, (0.2, 0.1), one_by_one=alone) for alone in (False, True)
+    )
+    assert np.count_nonzero(forces) > 100
+    for mine, other in zip((q, v, port_q, forces), one_by_one[1:5], strict=True):
+        np.testing.assert_allclose(mine, other, atol=1e-6 * np.abs(other).max())
+
+
+def test_contacts_that_always_hold_are_met_at_once_whatever_the_tolerance():
+    plant = beam(clearance=0.0, damping=40.0)
+    exact = moved(plant, 0.2, 8192.0, (0.2, 0.1))[1]
+    joined, one_by_one = (
+        np.abs(moved(plant, 0.2, 8192.0, (0.2, 0.1), one_by_one=alone, tolerance=1e3)[1] - exact).max()
+        for alone in (False, True)
+    )
+    assert joined < 1e-10 * np.abs(exact).max() < 1e-6 * one_by_one
+
+
+def test_a_contact_that_would_pull_where_a_step_begins_is_cut_there():
+    """A kilogram that leaves the wall faster than the spring would push it, and is pushed back within the step."""
+    rig = Rig(structure=Oscillator(kind="oscillator", mass=1.0, stiffness=1.0, damping=0.0), excitation=Excitation())
+    wall = Contact("wall", None, KelvinVoigt(1e4, 20.0), 1e-4)
+    model, h = build_modal(replace(build_plant(rig), contacts=(wall,)), 100.0), 1e-3
+    system, linear, inputs = linear_of(model, Drive(np.full(2, 500.0), None, STILL, None), h)
+    items, read, out = items_of(model), Reading.of(system.to_modal), np.empty((2, 2))
+    ends = []
+    for straight in (items.straight, np.zeros_like(items.straight)):
+        each = items._replace(straight=straight)
+        march(linear, each, inputs, STILL, system.from_modal @ [3e-4, -0.2], read, out, np.empty((0, 0)), 1e-9)
+        ends.append(out[:, 1].copy())
+    q, v = ends[0]
+    assert 1e4 * (3e-4 - 1e-4) - 20.0 * 0.2 < 0.0 < min(q - 1e-4, 1e4 * (q - 1e-4) + 20.0 * v)
+    np.testing.assert_allclose(ends[0], ends[1], rtol=1e-8)
+
+
+@njit
+def both_steps(law, values, straight, contact, t, h, p0, r0, side0, n0, q, v):
+    ordinary = contact_step(law, values, 0, contact, 0, t, h, p0, r0, side0, n0, q, v)
+    return ordinary, straight_step(straight, contact, 0, t, h, p0, r0, side0, n0, q, v)
+
+
+@pytest.mark.parametrize("bilateral", [False, True])
+def test_a_straight_contact_that_stays_closed_is_weighed_as_any_other(bilateral):
+    rng, law, h, n_closed = np.random.default_rng(0), law_address(KelvinVoigt.normal_force), 1e-4, 0
+    for _ in range(5000):
+        values = np.array([10.0 ** rng.uniform(3.0, 6.0), 10.0 ** rng.uniform(0.0, 3.0)])
+        clearance, growth = (0.0, 0.0) if bilateral else (1e-4 * rng.random(), 1e-2 * rng.random())
+        contact = np.array([[clearance, 2e-4 * rng.uniform(-1.0, 1.0), growth, float(bilateral)]])
+        t, side, p0, r0 = rng.random(), rng.choice([-1.0, 1.0]), 1e-4 * rng.random(), 0.3 * rng.standard_normal()
+        n0 = values @ np.array([p0, r0])
+        if n0 < 0.0 and not bilateral:
+            continue
+        reached = clearance + growth * (t - h) + p0 + h * r0 + 2e-5 * rng.standard_normal()
+        q, v = contact[0, 1] + side * reached, side * (r0 + 0.3 * rng.standard_normal())
+        straight = np.array([[1.0, *values]])
+        ordinary, (*weights, is_closed) = both_steps(law, values, straight, contact, t, h, p0, r0, side, n0, q, v)
+        if is_closed:
+            n_closed += 1
+            size = abs(n0) + np.abs(ordinary).sum()
+            assert np.abs(np.subtract(weights, ordinary)).max() < 1e-12 * size
+    assert 500 < n_closed < (5001 if bilateral else 4000)
+
+
+def test_the_weights_of_straight_contacts_are_met_in_one_step():
+    h, rng = 1e-4, np.random.default_rng(1)
+    straight, port = np.array([[1.0, 3e4, 15.0], [1.0, 2e5, 60.0]]), np.array([1, 0])
+    contact = np.array([[1e-4, 0.0, 0.0, 0.0], [2e-4, 1e-5, 1e-3, 0.0]])
+    q_start, q_end, v_start, v_end = (scale * rng.random((2, 2)) for scale in (1e-8, 1e-8, 1e-4, 1e-4))
+    inverses = inverses_of(straight, np.arange(2), port, h, q_start, q_end, v_start, v_end)
+
+    def asked(a, b):
+        q, v = np.array([2e-4, 3e-4]), np.array([0.1, -0.2])
+        for j, i in enumerate(port):
+            q, v = q + q_start[i] * a[j] + q_end[i] * b[j], v + v_start[i] * a[j] + v_end[i] * b[j]
+        starts = ((2e-5, 0.05, 1.0, 7.0), (1e-5, 0.02, -1.0, 4.0))
+        rows = [straight_step(straight, contact, j, 0.3, h, *starts[j], q[i], v[i])[:2] for j, i in enumerate(port)]
+        return np.array(rows)
+
+    for closed, own in ((1, [0]), (2, [1]), (3, [0, 1])):
+        guess = np.array([[1.0, -2.0], [5.0, 3.0]])
+        fault = np.zeros((2, 2))
+        fault[own] = (asked(*guess.T) - guess)[own]
+        found = guess + (inverses[closed] @ fault.ravel()).reshape(2, 2)
+        assert np.abs(fault).max() > 1.0
+        assert found[own] == pytest.approx(asked(*found.T)[own], rel=1e-12)
+        assert np.array_equal(np.delete(found, own, axis=0), np.delete(guess, own, axis=0))
 
 
 def test_at_rest_nothing_moves():

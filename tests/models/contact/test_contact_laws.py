@@ -57,6 +57,34 @@ def test_name_key_and_file_are_one(name):
 
 
 @every_law
+def test_a_law_that_says_so_is_straight(law):
+    instants = ((0.0, 1e-5, 0.0), (1.0, 2e-4, 0.3), (3.0, 1e-6, -1.0), (5.0, 4e-4, 0.1))
+    forces = np.array([normal(law, p, p_rate, t) for t, p, p_rate in instants])
+    motion = np.array(instants)[:, 1:]
+    nearest = np.linalg.lstsq(motion, forces, rcond=None)[0]
+    if law.straight is None:
+        assert np.abs(motion @ nearest - forces).max() > 1e-3 * np.abs(forces).max()
+    else:
+        assert motion @ np.array(law.straight) == pytest.approx(forces, rel=1e-14)
+
+
+def test_kelvin_and_voigts_law_is_straight_and_none_that_derives_from_it_with_a_force_of_its_own():
+    class Stiffening(KelvinVoigt):
+        @staticmethod
+        def normal_force(t, p, p_rate, z, c):
+            return c[0] * p * p * p + c[1] * p_rate
+
+    class Doubled(KelvinVoigt):
+        @property
+        def values(self):
+            return 2.0 * self.stiffness, self.damping
+
+    assert KelvinVoigt(1e5, 80.0).straight == (1e5, 80.0)
+    assert Stiffening(1e5, 80.0).straight is None
+    assert Doubled(1e5, 80.0).straight == (2e5, 80.0)
+
+
+@every_law
 def test_the_spring_is_the_given_stiffness_and_pushes(law):
     assert law.elastic(1e-4) == pytest.approx(10.0)
     assert normal(law, 0.0, 0.0) == 0.0
