@@ -543,13 +543,24 @@ REPORTED = CaseSet(
         ),
         59407: Batch(
             "77cbfa1",
+            18,
+            taught="nothing: all are right",
             run="The first four on two threads, the first two of them beside a third process for a part of their time; "
-            "the others on one thread, beside up to four others: their seconds are too high.",
+            "the others on one thread, beside up to four others: their seconds are too high. Ended by hand when the "
+            "stepper had become quicker: the next seed tells how long a diagnosis takes.",
             first_kind="point_stiffness",
             first_law="broken_spring",
             n_laws=9,
             more_outside=True,
             turned=2,
+        ),
+        60601: Batch(
+            "0d01c2b",
+            first_kind="breathing_crack",
+            first_law="pulsating_spring",
+            n_laws=9,
+            more_outside=True,
+            turned=3,
         ),
     },
     shape=0.7,
