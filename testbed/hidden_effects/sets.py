@@ -556,6 +556,7 @@ REPORTED = CaseSet(
         ),
         60601: Batch(
             "0d01c2b",
+            run="Two threads, one case at a time with the machine to itself, whose speed others on its host change.",
             first_kind="breathing_crack",
             first_law="pulsating_spring",
             n_laws=9,
