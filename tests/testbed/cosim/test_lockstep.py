@@ -5,6 +5,7 @@ import pytest
 from cosim_scenes import REFERENCE, silent, varying
 
 from models.errors import InputError
+from models.simulate import FORCE_TOLERANCE
 from testbed.cosim.lockstep import run_in_lockstep
 from testbed.cosim.measures import effect_of, measures_of
 from testbed.cosim.plan import Wish, plan_of
@@ -68,7 +69,8 @@ def test_without_feedback_the_twin_stays_wrong(step):
     after = measures.times > 1.5 + 4.0 * plan.taps.period
     assert measures.alone_over_time[after].min() > 0.1
     assert measures.told_over_time[after].max() < 0.03
-    assert measures.alone_over_time[measures.times < 1.3].max() < 1e-9  # the same model under the same force
+    # The same model under the same force: its dashpot is met at once, the truth's table to the stepper's tolerance.
+    assert measures.alone_over_time[measures.times < 1.3].max() < 10.0 * FORCE_TOLERANCE
     assert run.power.shape == run.told.shape == run.alone.shape == (plan.n_samples // plan.hop, 8)
 
 
