@@ -13,8 +13,9 @@ import numpy as np
 
 from models.arrays import FloatArray
 from models.beam.assembly import LEAST_INVERSE
+from models.lanes import LANES
 from models.modal import ModalModel
-from models.propagator import LANES, Blocks, Step, exact_step, to_blocks
+from models.propagator import Blocks, Step, exact_step, to_blocks
 from models.step_tables import input_columns
 from models.stepping import Reading
 

@@ -11,9 +11,7 @@ import numpy as np
 
 from models.arrays import FloatArray
 from models.errors import NotComputableError
-
-LANES = 16
-"""The number of blocks is a multiple of this, idle ones added, so that compiled loops over them have no remainder."""
+from models.lanes import LANES
 
 SERIES_NORM = 0.5
 SERIES_TERMS = 14

@@ -12,7 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from models.arrays import BoolArray, FloatArray, IntArray
+from models.arrays import FloatArray, IntArray
+from models.lanes import EIGHT, FOUR, LANES, at, chosen, digits, eight, four, four_of, lanes, put, total
 from models.law_call import call_law
 
 MAX_ITERATIONS = 60
@@ -34,11 +35,17 @@ GIVEN_UP = 30
 ROUNDED = 1e-14
 """Of a force times its slope: a fault as small is rounding."""
 
+ROOT_ROUNDING = 1e-8
+"""Last change of a fraction that Newton's method finds: the next is its square."""
+
 CONVERGING = 0.1
 """Of the tolerance, below which the next change is not waited for: as it goes on from the last two, it is their ratio
 times the last. Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, section IV.8."""
 
-MOST_JOINED = 4
+NO_DIGIT = 62
+"""Of a set in binary digits, for what is in none."""
+
+MOST_JOINED = FOUR
 """Straight contacts that are solved for together: each set of them that may be closed has its own inverse matrix."""
 
 LEAST_DETERMINANT, LARGEST_DETERMINANT = 0.1, 1e6
@@ -55,7 +62,7 @@ OPTIONS: dict[str, Any] = {
 }
 """A division by nothing gives no number, which counts as a motion that is lost."""
 
-INLINE: dict[str, Any] = {**OPTIONS, "inline": "always"}
+INLINE: dict[str, Any] = {**OPTIONS, "forceinline": True}
 """For what runs in every step: a call that hands over arrays would cost more than the arithmetic."""
 
 
@@ -215,8 +222,10 @@ def crossing(p0: float, r0: float, p1: float, r1: float) -> tuple[float, float]:
         slope = r0 + s * (2.0 * c2 + 3.0 * s * c3)
         if slope * (p1 - p0) <= 0.0:
             break
-        s -= (p0 + s * (r0 + s * (c2 + s * c3))) / slope
-        s = min(max(s, 0.0), 1.0)
+        before = s
+        s = min(max(s - (p0 + s * (r0 + s * (c2 + s * c3))) / slope, 0.0), 1.0)
+        if abs(s - before) < ROOT_ROUNDING:
+            break
     return s, r0 + s * (2.0 * c2 + 3.0 * s * c3)
 
 
@@ -271,47 +280,123 @@ def law_step(
     return force + rise, last + rise
 
 
-@njit(**INLINE)
-def straight_step(
-    straight: FloatArray, contact: FloatArray, j: int, t: float, h: float,
-    p0: float, r0: float, side0: float, n0: float, q1: float, v1: float,
-) -> tuple[float, float, bool]:  # fmt: skip
-    """Weights (a, b) of a straight contact that is closed all through a step to t, and whether it is.
+class Straight(NamedTuple):
+    """Contacts whose normal force is k p + c dp/dt, side by side; what is not there of four is 0.
 
-    Arguments as of ``contact_step``; what is asked for is straight in q1 and v1, whether or not it is closed there.
+    Attributes:
+        k, c: N/m and N s/m.
+        clearance, offset, growth: m, m and m/s.
+        is_bilateral: it holds from either side, and may pull.
+        is_unilateral: it is there and does not.
     """
-    p1, r1 = pressed(contact, j, t, side0, q1, v1)
-    p, rate = halfway(h, p0, r0, p1, r1)
-    middle, last = straight[j, 1] * p + straight[j, 2] * rate, straight[j, 1] * p1 + straight[j, 2] * r1
-    is_closed = contact[j, 3] > 0.0 or (p1 > 0.0 and middle >= 0.0 and last >= 0.0)
-    a, b = (2.0 * (n0 + middle) - last) / 3.0, (2.0 * (middle + last) - n0) / 3.0
-    return -side0 * a, -side0 * b, is_closed
+
+    k: Any
+    c: Any
+    clearance: Any
+    offset: Any
+    growth: Any
+    is_bilateral: Any
+    is_unilateral: Any
+
+
+class Weighed(NamedTuple):
+    """Straight contacts at one end of a step.
+
+    Attributes:
+        p, rate: penetration and its rate.
+        side: of the wall, 1 or -1.
+        normal: force before it is kept from pulling; 0 where it is open.
+    """
+
+    p: Any
+    rate: Any
+    side: Any
+    normal: Any
+
+
+@njit(**INLINE)
+def straight_step(contacts: Straight, t: float, h: float, start: Weighed, q1: Any, v1: Any) -> tuple[Any, ...]:
+    """Weights (a, b) of straight contacts that are closed all through a step to t, which ends with q1, v1.
+
+    They are straight in q1 and v1, whether or not the contacts are closed there.
+
+    Returns:
+        the weights, penetration at the end, and the forces halfway and at the end: closed where none is below 0.
+    """
+    p1 = start.side * (q1 - contacts.offset) - contacts.clearance - contacts.growth * t
+    rate1 = start.side * v1 - contacts.growth
+    p, rate = halfway(h, start.p, start.rate, p1, rate1)
+    middle, last = contacts.k * p + contacts.c * rate, contacts.k * p1 + contacts.c * rate1
+    a, b = (2.0 * (start.normal + middle) - last) / -3.0, (2.0 * (middle + last) - start.normal) / -3.0
+    return start.side * a, start.side * b, p1, middle, last
+
+
+@njit(**INLINE)
+def weighed(contacts: Straight, t: float, q: Any, v: Any) -> Weighed:
+    """Straight contacts at q, v."""
+    beyond = q - contacts.offset
+    side = chosen(beyond >= 0.0, 1.0, -1.0)
+    p, rate = side * beyond - contacts.clearance - contacts.growth * t, side * v - contacts.growth
+    normal = chosen(contacts.is_bilateral | (p > 0.0), contacts.k * p + contacts.c * rate, 0.0)
+    return Weighed(p, rate, side, normal)
+
+
+@njit(**INLINE)
+def forces_of(contacts: Straight, end: Weighed) -> Any:
+    """Forces of contacts on the structure, kept from pulling unless they are bilateral."""
+    return end.side * chosen(contacts.is_bilateral | (end.normal > 0.0), end.normal, 0.0) * -1.0
+
+
+@njit(**INLINE)
+def holding(contacts: Straight, start: Weighed) -> Any:
+    """Which contacts are closed where a step begins, and would not pull there."""
+    holds = (start.p > 0.0) & (start.normal >= 0.0)
+    return contacts.is_bilateral | contacts.is_unilateral & holds
+
+
+@njit(**INLINE)
+def stays_out(contacts: Straight, start: Weighed, end: Weighed, a: Any, b: Any) -> Any:
+    """Which contacts have no force in a step: open at both its ends, or such that they would pull there."""
+    is_open = (start.p <= 0.0) & (end.p <= 0.0)
+    would_pull = (start.p > 0.0) & (start.normal < 0.0) & (end.normal <= 0.0)
+    return contacts.is_unilateral & (is_open | would_pull) & (a * a + b * b <= 0.0)
 
 
 @njit(**OPTIONS)
 def inverses_of(
-    straight: FloatArray, joined: IntArray, port: IntArray, h: float,
+    straight: FloatArray, port: IntArray, h: float,
     q_start: FloatArray, q_end: FloatArray, v_start: FloatArray, v_end: FloatArray,
 ) -> FloatArray:  # fmt: skip
-    """(2^n, 2n, 2n) inverse matrices of Newton's equations for the weights (a, b) of contacts closed throughout.
+    """(2^n, 8, 8) inverse matrices of Newton's equations for the weights of n contacts closed throughout.
 
-    The binary digits of the first index tell which of them are closed; rows and columns of the others are 0. Forces
-    that are straight in the motion are met by one step of it.
+    The binary digits of the first index tell which of them are closed. Columns, then rows, are the weights ``a`` of
+    four, then their weights ``b``; those of contacts that are not closed, or not there, are 0. Forces that are straight
+    in the motion are met by one step of it.
+
+    Args:
+        straight: (n, 3) as of ``Items``, of the contacts alone.
+        port: (n,) of each.
+        h: s.
+        q_start: (n_ports, n_ports or more) displacement of each port by a unit of ``a`` of the force on one.
+        q_end: the same by a unit of ``b``.
+        v_start: velocity by a unit of ``a``.
+        v_end: velocity by a unit of ``b``.
     """
-    n = len(joined)
+    n = len(straight)
     whole = np.zeros((2 * n, 2 * n))
     for s in range(n):
-        k, c = straight[joined[s], 1], straight[joined[s], 2]
-        i = port[joined[s]]
+        k, c = straight[s, 1], straight[s, 2]
+        i = port[s]
         for r in range(n):
-            m = port[joined[r]]
+            m = port[r]
             for end in range(2):
                 q_by, v_by = (q_end[m, i], v_end[m, i]) if end else (q_start[m, i], v_start[m, i])
-                whole[2 * s, 2 * r + end] = c / h * q_by - (k * h / 12.0 + 0.5 * c) * v_by
-                whole[2 * s + 1, 2 * r + end] = (k + c / h) * q_by - (k * h / 12.0 - 0.5 * c) * v_by
-    found = np.zeros((1 << n, 2 * n, 2 * n))
+                whole[s, r + n * end] = c / h * q_by - (k * h / 12.0 + 0.5 * c) * v_by
+                whole[s + n, r + n * end] = (k + c / h) * q_by - (k * h / 12.0 - 0.5 * c) * v_by
+    found = np.zeros((1 << n, EIGHT, EIGHT))
     for closed in range(1, 1 << n):
-        own = np.array([x for x in range(2 * n) if closed >> (x // 2) & 1])
+        own = np.array([x for x in range(2 * n) if closed >> (x % n) & 1])
+        place = own % n + FOUR * (own // n)
         part = np.eye(len(own))
         for x in range(len(own)):
             for y in range(len(own)):
@@ -319,55 +404,8 @@ def inverses_of(
         inverse = np.linalg.inv(part)
         for x in range(len(own)):
             for y in range(len(own)):
-                found[closed, own[x], own[y]] = inverse[x, y]
+                found[closed, place[y], place[x]] = inverse[x, y]
     return found
-
-
-@njit(**INLINE)
-def met_together(
-    inverses: FloatArray, closed: int, joined: IntArray, is_joined: BoolArray, straight: FloatArray,
-    contact: FloatArray, port: IntArray, t: float, h: float, p0: FloatArray, r0: FloatArray, side0: FloatArray,
-    n0: FloatArray, a: FloatArray, b: FloatArray, port_a: FloatArray, port_b: FloatArray, q1: FloatArray,
-    v1: FloatArray, q_start: FloatArray, q_end: FloatArray, v_start: FloatArray, v_end: FloatArray, fault: FloatArray,
-) -> tuple[int, float]:  # fmt: skip
-    """One linear step to the weights of all contacts in the set ``closed``, changed in place as the motion is.
-
-    Returns:
-        the set; none of them where one is not closed all through the step after that, and each must be met by itself;
-        and the largest change that was asked for, N.
-    """
-    largest, n_joined = 0.0, len(joined)
-    for s in range(n_joined):
-        j = joined[s]
-        fault[2 * s], fault[2 * s + 1] = 0.0, 0.0
-        if is_joined[j]:
-            q, v = q1[port[j]], v1[port[j]]
-            a_new, b_new, _ = straight_step(straight, contact, j, t, h, p0[j], r0[j], side0[j], n0[j], q, v)
-            fault[2 * s], fault[2 * s + 1] = a_new - a[j], b_new - b[j]
-            largest = max(largest, abs(fault[2 * s]) + abs(fault[2 * s + 1]))
-    for s in range(n_joined):
-        j = joined[s]
-        if is_joined[j]:
-            i = port[j]
-            da, db = 0.0, 0.0
-            for m in range(2 * n_joined):
-                da += inverses[closed, 2 * s, m] * fault[m]
-                db += inverses[closed, 2 * s + 1, m] * fault[m]
-            a[j] += da
-            b[j] += db
-            port_a[i] += da
-            port_b[i] += db
-            for m in range(len(q1)):
-                q1[m] += q_start[i, m] * da + q_end[i, m] * db
-                v1[m] += v_start[i, m] * da + v_end[i, m] * db
-    for s in range(n_joined):
-        j = joined[s]
-        if is_joined[j]:
-            q, v = q1[port[j]], v1[port[j]]
-            _, _, is_closed = straight_step(straight, contact, j, t, h, p0[j], r0[j], side0[j], n0[j], q, v)
-            if not is_closed:
-                closed = 0
-    return closed, largest
 
 
 @njit(**OPTIONS)
@@ -449,10 +487,190 @@ def on_structure(normal: float, side: float, bilateral: float) -> float:
 
 @njit(**OPTIONS)
 def reached(reading: Reading, pushed: FloatArray) -> FloatArray:
-    """(n_ports, n_rows) what is read after a step in which a unit force pushed a port as (n_ports, 2n) says."""
-    first, width = reading.first, reading.rows.shape[1]
-    motion: FloatArray = np.dot(np.ascontiguousarray(pushed[:, first : first + width]), reading.rows.T)
+    """(n_ports, n_rows, and some that are 0) what is read after a step in which a unit force pushed a port.
+
+    Args:
+        reading: of rows.
+        pushed: (n_ports, 2n) what the force of each port adds to the state.
+    """
+    first, (n_rows, width) = reading.first, reading.rows.shape
+    motion = np.zeros((len(pushed), -(-n_rows // EIGHT) * EIGHT))
+    motion[:, :n_rows] = np.dot(np.ascontiguousarray(pushed[:, first : first + width]), reading.rows.T)
     return motion
+
+
+@njit(**OPTIONS)
+def joined_of(straight: FloatArray) -> tuple[int, int]:
+    """The first straight contact, and how many from there on are met together, one after the other."""
+    first = 0
+    while first < len(straight) and not is_straight(straight, first):
+        first += 1
+    n = 0
+    while n < MOST_JOINED and first + n < len(straight) and is_straight(straight, first + n):
+        n += 1
+    return first, n
+
+
+@njit(**INLINE)
+def is_straight(straight: FloatArray, j: int) -> bool:
+    """Whether a row of ``Items.straight`` is that of a contact whose numbers are finite."""
+    return bool(straight[j, 0] > 0.0 and np.isfinite(straight[j, 1] + straight[j, 2]))
+
+
+@njit(**INLINE)
+def side_by_side(straight: FloatArray, contact: FloatArray, first: int, n: int) -> Straight:
+    """So many contacts from one on, of rows of ``Items``."""
+    numbers = np.zeros((7, FOUR))
+    for s in range(n):
+        numbers[:2, s], numbers[2:5, s] = straight[first + s, 1:], contact[first + s, :3]
+        numbers[5, s], numbers[6, s] = contact[first + s, 3], 1.0 - contact[first + s, 3]
+    return Straight(
+        four(numbers, (0, 0)), four(numbers, (1, 0)), four(numbers, (2, 0)), four(numbers, (3, 0)),
+        four(numbers, (4, 0)), four(numbers, (5, 0)) > 0.0, four(numbers, (6, 0)) > 0.0,
+    )  # fmt: skip
+
+
+@njit(**INLINE)
+def moved_by(moved: FloatArray, start: FloatArray, end: FloatArray, i: int, a: float, b: float) -> None:
+    """Add to the motion of all ports what the weights (a, b) of a force on port i do."""
+    for k in range(0, len(moved), EIGHT):
+        put(moved, k, eight(moved, k) + (eight(start, (i, k)) * a + eight(end, (i, k)) * b))
+
+
+@njit(**INLINE)
+def went_on(
+    exponential: FloatArray, in_start: FloatArray, in_end: FloatArray, inputs: FloatArray, step: int,
+    state: FloatArray, new: FloatArray,
+) -> None:  # fmt: skip
+    """The linear part of a step under the known inputs: ``new`` from ``state``."""
+    n = exponential.shape[1]
+    for k in range(0, n, LANES):
+        x, y = lanes(state, k), lanes(state, n + k)
+        x1 = lanes(exponential, (0, k)) * x + lanes(exponential, (1, k)) * y
+        y1 = lanes(exponential, (2, k)) * x + lanes(exponential, (3, k)) * y
+        for m in range(len(in_start)):
+            u0, u1 = inputs[m, step], inputs[m, step + 1]
+            x1 = x1 + (lanes(in_start, (m, k)) * u0 + lanes(in_end, (m, k)) * u1)
+            y1 = y1 + (lanes(in_start, (m, n + k)) * u0 + lanes(in_end, (m, n + k)) * u1)
+        put(new, k, x1)
+        put(new, n + k, y1)
+
+
+@njit(**INLINE)
+def read_from(rows: FloatArray, first: int, i: int, state: FloatArray) -> float:
+    """What one of the rows of a ``Reading`` reads."""
+    found = 0.0
+    for k in range(0, rows.shape[1], LANES):
+        found += total(lanes(rows, (i, k)) * lanes(state, first + k))
+    return found
+
+
+@njit(**INLINE)
+def pushed_on(
+    new: FloatArray, port_start: FloatArray, port_end: FloatArray, port_a: FloatArray, port_b: FloatArray,
+    state: FloatArray,
+) -> None:  # fmt: skip
+    """The state at the end of a step: the linear part's, and what the weights of the ports' forces add."""
+    for k in range(0, len(state), LANES):
+        x = lanes(new, k)
+        for i in range(len(port_a)):
+            if port_a[i] != 0.0 or port_b[i] != 0.0:
+                x = x + (lanes(port_start, (i, k)) * port_a[i] + lanes(port_end, (i, k)) * port_b[i])
+        put(state, k, x)
+
+
+@njit(**INLINE)
+def recorded(columns: FloatArray, state: FloatArray, out: FloatArray, step: int) -> bool:
+    """Fill a column of ``out``; whether what it reads is finite.
+
+    Args:
+        columns: (n_groups, width, 8) columns of the rows that read, eight of them at once.
+        state: (width or more,) what they read from.
+        out: (n_out, n_steps + 1).
+        step: column.
+    """
+    size, n_out = 0.0, len(out)
+    for group in range(len(columns)):
+        even, odd = eight(columns, (group, 0, 0)) * state[0], eight(columns, (group, 1, 0)) * state[1]
+        for k in range(2, columns.shape[1], 2):
+            even = even + eight(columns, (group, k, 0)) * state[k]
+            odd = odd + eight(columns, (group, k + 1, 0)) * state[k + 1]
+        seen = even + odd
+        size += total(seen * seen)
+        first = EIGHT * group
+        if first + EIGHT <= n_out:
+            for m in range(EIGHT):
+                out[first + m, step] = at(seen, m)
+        else:
+            for m in range(n_out - first):
+                out[first + m, step] = at(seen, m)
+    return size < FINITE * FINITE
+
+
+@njit(**INLINE)
+def met_together(
+    contacts: Straight, start: Weighed, closed: int, t: float, h: float, inverses: FloatArray, n_joined: int,
+    port: IntArray, a: FloatArray, b: FloatArray, joined: int, port_a: FloatArray, port_b: FloatArray,
+    q1: FloatArray, v1: FloatArray, q_start: FloatArray, q_end: FloatArray, v_start: FloatArray, v_end: FloatArray,
+    room: FloatArray,
+) -> tuple[int, float]:  # fmt: skip
+    """One linear step to the weights of all contacts in the set ``closed``, changed in place as the motion is.
+
+    Args:
+        contacts: side by side, ``joined`` the first of them among all items.
+        start: where the step begins.
+        closed: in binary digits.
+        t: s, at the end of the step.
+        h: s.
+        inverses: as of ``inverses_of``.
+        n_joined: contacts.
+        port: (4,) of each.
+        a: (n_items + 4,) weights at the start, changed.
+        b: weights at the end, changed.
+        joined: number of the first.
+        port_a: (n_ports,) weights of the ports' forces at the start, changed.
+        port_b: weights at the end, changed.
+        q1: displacements of the ports, changed.
+        v1: velocities, changed.
+        q_start: as of ``reached``, by weights at the start.
+        q_end: by weights at the end.
+        v_start: of velocities by weights at the start.
+        v_end: of velocities by weights at the end.
+        room: (4, 8) to work in.
+
+    Returns:
+        those of the set that are closed all through the step after that: the others must be met by themselves; and the
+        largest change that was asked for, N.
+    """
+    fault_a, fault_b, change_a, change_b = room[0], room[1], room[2], room[3]
+    new_a, new_b, _, _, _ = straight_step(contacts, t, h, start, four_of(q1, port, 0), four_of(v1, port, 0))
+    put(fault_a, 0, new_a - four(a, joined))
+    put(fault_b, 0, new_b - four(b, joined))
+    change = eight(inverses, (closed, 0, 0)) * fault_a[0] + eight(inverses, (closed, FOUR, 0)) * fault_b[0]
+    for s in range(1, n_joined):
+        change = change + eight(inverses, (closed, s, 0)) * fault_a[s]
+        change = change + eight(inverses, (closed, FOUR + s, 0)) * fault_b[s]
+    put(change_a, 0, change)
+    put(change_b, 0, four(change_a, FOUR))
+    put(a, joined, four(a, joined) + four(change_a, 0))
+    put(b, joined, four(b, joined) + four(change_b, 0))
+    largest = 0.0
+    for s in range(n_joined):
+        if closed >> s & 1:
+            port_a[port[s]] += change_a[s]
+            port_b[port[s]] += change_b[s]
+            largest = max(largest, abs(fault_a[s]) + abs(fault_b[s]))
+    for k in range(0, len(q1), EIGHT):
+        q, v = eight(q1, k), eight(v1, k)
+        for s in range(n_joined):
+            i = port[s]
+            q = q + (eight(q_start, (i, k)) * change_a[s] + eight(q_end, (i, k)) * change_b[s])
+            v = v + (eight(v_start, (i, k)) * change_a[s] + eight(v_end, (i, k)) * change_b[s])
+        put(q1, k, q)
+        put(v1, k, v)
+    _, _, p1, middle, last = straight_step(contacts, t, h, start, four_of(q1, port, 0), four_of(v1, port, 0))
+    stays = contacts.is_bilateral | (p1 > 0.0) & (middle >= 0.0) & (last >= 0.0)
+    return closed & digits(stays), largest
 
 
 def march(
@@ -491,38 +709,48 @@ def march_on(  # noqa: C901, PLR0912, PLR0915
     # Fields become locals, once: reading a field in a loop would count its references.
     exponential, in_start, in_end, port_start, port_end, q_read, v_read, q_rest, absolute, h = linear
     law_of, rate_of, values, offset, contact, is_contact, straight, rest_force = items[1:]
-    port_of = items.port.astype(np.uint64)  # unsigned: no index has to be asked whether it counts from the end
+    rest = np.concatenate((rest_force, np.zeros(FOUR)))
     n, n_steps = exponential.shape[1], int(out.shape[1] - 1)
-    n_ports, n_items, n_in, n_out = q_rest.shape[0], port_of.shape[0], in_start.shape[0], out.shape[0]
+    n_ports, n_items, n_out = q_rest.shape[0], rate_of.shape[0], out.shape[0]
     q_rows, v_rows, out_rows = q_read.rows, v_read.rows, read.rows
+    q_first, v_first, out_first = q_read.first, v_read.first, read.first
     q_width, v_width, out_width = q_rows.shape[1], v_rows.shape[1], out_rows.shape[1]
     q_start, q_end = reached(q_read, port_start), reached(q_read, port_end)
     v_start, v_end = reached(v_read, port_start), reached(v_read, port_end)
-    q0, v0, q1, v1 = memory.q.copy(), memory.v.copy(), np.zeros(n_ports), np.zeros(n_ports)
-    z0, z1 = memory.z.copy(), np.zeros(n_items)
-    a, b = np.zeros(n_items), np.zeros(n_items)
-    force, before, port_a, port_b = np.zeros(n_items), memory.before.copy(), np.zeros(n_ports), np.zeros(n_ports)
-    p0, r0, side0, n0 = np.zeros(n_items), np.zeros(n_items), np.ones(n_items), np.zeros(n_items)
+    q0, v0, q1, v1 = np.zeros((4, q_start.shape[1]))
+    q0[:n_ports], v0[:n_ports] = memory.q, memory.v
+    z0, z1, port_a, port_b = memory.z.copy(), np.zeros(n_items), np.zeros(n_ports), np.zeros(n_ports)
     newton, steep, unmet = memory.newton.copy(), memory.steep.copy(), np.zeros(n_items, np.bool_)
-    joined = np.flatnonzero((straight[:, 0] > 0.0) & np.isfinite(straight[:, 1] + straight[:, 2]))[:MOST_JOINED]
-    inverses = inverses_of(straight, joined, items.port, h, q_start, q_end, v_start, v_end)
-    n_joined, fault, is_joined = len(joined), np.zeros(2 * len(joined)), np.zeros(n_items, np.bool_)
+    # Four items can be read from any on, so there are four more.
+    a, b, force, before, p0, r0, n0, side0 = np.zeros((8, n_items + FOUR))
+    before[:n_items] = memory.before
+    port_of = np.zeros(n_items + FOUR, np.uint64)  # unsigned: no index has to be asked whether it counts from the end
+    port_of[:n_items] = items.port
+    joined, n_joined = joined_of(straight)
+    together, contacts = slice(joined, joined + n_joined), side_by_side(straight, contact, joined, n_joined)
+    inverses = inverses_of(straight[together], items.port[together], h, q_start, q_end, v_start, v_end)
     for s in range(n_joined if past == 0 else 0):
-        newton[joined[s]] = inverses[1 << s][2 * s : 2 * s + 2, 2 * s : 2 * s + 2]
-    new = state.copy()
-    first, second, new_first, new_second = state[:n], state[n:], new[:n], new[n:]
-    q_state, v_state, out_state = new[q_read.first :], new[v_read.first :], new[read.first :]
+        for x in range(4):
+            newton[joined + s, x // 2, x % 2] = inverses[1 << s, s + FOUR * (x % 2), s + FOUR * (x // 2)]
+    port4, digit = port_of[joined : joined + FOUR].copy(), np.full(n_items, NO_DIGIT)
+    digit[together] = np.arange(n_joined)
+    others, room = np.flatnonzero(digit == NO_DIGIT).astype(np.uint64), np.zeros((4, EIGHT))
+    new, seen_from = np.zeros(2 * n), state[out_first:]
+    out_columns = np.zeros((-(-n_out // EIGHT), out_width, EIGHT))
+    for m in range(n_out):
+        out_columns[m // EIGHT, :, m % EIGHT] = out_rows[m]
     for i in range(n_ports if past == 0 else 0):
         q0[i], v0[i] = q_rest[i], 0.0
         for k in range(q_width):
-            q0[i] += q_rows[i, k] * q_state[k]
+            q0[i] += q_rows[i, k] * state[q_first + k]
         for k in range(v_width):
-            v0[i] += v_rows[i, k] * v_state[k]
+            v0[i] += v_rows[i, k] * state[v_first + k]
         if absolute[i] > 0.0 and base.shape[1] > 0:
             q0[i] += base[0, 0]
             v0[i] += base[1, 0]
     t = past * h
-    for j in range(n_items):
+    for o in range(len(others)):
+        j = others[o]
         i = port_of[j]
         if is_contact[j]:
             p0[j], r0[j], side0[j] = penetration_of(contact, j, t, q0[i], v0[i])
@@ -532,10 +760,18 @@ def march_on(  # noqa: C901, PLR0912, PLR0915
             force[j] = call_law(law_of[j], t, q0[i], v0[i], z0[j], values, offset[j])
         if past == 0:
             before[j] = force[j]
+    is_there = contacts.is_bilateral | contacts.is_unilateral
+    start = weighed(contacts, t, four_of(q0, port4, 0), four_of(v0, port4, 0))
+    end, is_closed, all_joined = start, holding(contacts, start), (1 << n_joined) - 1
+    closed = digits(is_closed)
+    if n_joined > 0:
+        put(force, joined, chosen(is_there, forces_of(contacts, start), four(force, joined)))
+        if past == 0:
+            put(before, joined, chosen(is_there, four(force, joined), four(before, joined)))
     for m in range(n_out):
         out[m, 0] = 0.0
         for k in range(out_width):
-            out[m, 0] += out_rows[m, k] * out_state[k]
+            out[m, 0] += out_rows[m, k] * seen_from[k]
     tracing = trace.shape[0] > 0
     for step in range(n_steps):
         if tracing:
@@ -545,53 +781,52 @@ def march_on(  # noqa: C901, PLR0912, PLR0915
             for j in range(n_items):
                 trace[step, 2 * n_ports + j] = force[j]
         t = (past + step + 1) * h
-        for k in range(n):
-            new_first[k] = exponential[0, k] * first[k] + exponential[1, k] * second[k]
-            new_second[k] = exponential[2, k] * first[k] + exponential[3, k] * second[k]
-        for m in range(n_in):
-            u0, u1 = inputs[m, step], inputs[m, step + 1]
-            for k in range(2 * n):
-                new[k] += in_start[m, k] * u0 + in_end[m, k] * u1
+        went_on(exponential, in_start, in_end, inputs, step, state, new)
         for i in range(n_ports):
-            total_q, total_v = q_rest[i], 0.0
-            for k in range(q_width):
-                total_q += q_rows[i, k] * q_state[k]
-            for k in range(v_width):
-                total_v += v_rows[i, k] * v_state[k]
+            q1[i] = q_rest[i] + read_from(q_rows, q_first, i, new)
+            v1[i] = read_from(v_rows, v_first, i, new)
             if absolute[i] > 0.0 and base.shape[1] > 0:
-                total_q += base[0, step + 1]
-                total_v += base[1, step + 1]
-            q1[i], v1[i] = total_q, total_v
+                q1[i] += base[0, step + 1]
+                v1[i] += base[1, step + 1]
             port_a[i], port_b[i] = 0.0, 0.0
-        for j in range(n_items):
+        if n_joined > 0:  # those closed are met at once, from any weights; the others are guessed to have no force
+            guess = chosen(is_closed, four(rest, joined), 0.0)
+            put(a, joined, guess)
+            put(b, joined, guess)
+            for s in range(n_joined):
+                port_a[port4[s]] += a[joined + s] - rest[joined + s]
+                port_b[port4[s]] += a[joined + s] - rest[joined + s]
+        for o in range(len(others)):
+            j = others[o]
             i = port_of[j]
             is_open = is_contact[j] and p0[j] <= 0.0 and contact[j, 3] == 0.0
             a[j], b[j] = force[j], 0.0 if is_open else 2.0 * force[j] - before[j]
             z1[j] = z0[j]
-            port_a[i] += a[j] - rest_force[j]
-            port_b[i] += b[j] - rest_force[j]
+            port_a[i] += a[j] - rest[j]
+            port_b[i] += b[j] - rest[j]
         for i in range(n_ports):
             if port_a[i] != 0.0 or port_b[i] != 0.0:
-                for m in range(n_ports):
-                    q1[m] += q_start[i, m] * port_a[i] + q_end[i, m] * port_b[i]
-                    v1[m] += v_start[i, m] * port_a[i] + v_end[i, m] * port_b[i]
-        closed = 0
-        for s in range(n_joined):
-            j = joined[s]
-            is_joined[j] = contact[j, 3] > 0.0 or (p0[j] > 0.0 and n0[j] >= 0.0)
-            closed += is_joined[j] << s
+                moved_by(q1, q_start, q_end, i, port_a[i], port_b[i])
+                moved_by(v1, v_start, v_end, i, port_a[i], port_b[i])
         largest = 0.0
         for iteration in range(MAX_ITERATIONS):
-            previous, largest, n_asked = largest, 0.0, 0
+            previous, largest, n_asked, quiet = largest, 0.0, 0, closed
             if closed > 0:
                 closed, largest = met_together(
-                    inverses, closed, joined, is_joined, straight, contact, port_of, t, h, p0, r0, side0, n0, a, b,
-                    port_a, port_b, q1, v1, q_start, q_end, v_start, v_end, fault,
+                    contacts, start, closed, t, h, inverses, n_joined, port4, a, b, joined, port_a, port_b, q1, v1,
+                    q_start, q_end, v_start, v_end, room,
                 )  # fmt: skip
-                for j in range(n_items if closed == 0 else 0):
-                    is_joined[j] = False
+            if n_joined > 0:
+                end = weighed(contacts, t, four_of(q1, port4, 0), four_of(v1, port4, 0))
+                quiet = closed | digits(stays_out(contacts, start, end, four(a, joined), four(b, joined)))
+                if quiet & all_joined == all_joined and len(others) == 0:
+                    break
+                put(p0, joined, chosen(is_there, start.p, four(p0, joined)))
+                put(r0, joined, chosen(is_there, start.rate, four(r0, joined)))
+                put(side0, joined, chosen(is_there, start.side, four(side0, joined)))
+                put(n0, joined, chosen(is_there, start.normal, four(n0, joined)))
             for j in range(n_items):
-                if is_joined[j]:
+                if quiet >> digit[j] & 1:
                     continue
                 i = port_of[j]
                 is_open = is_contact[j] and p0[j] <= 0.0 and a[j] == 0.0 and b[j] == 0.0 and contact[j, 3] == 0.0
@@ -653,18 +888,13 @@ def march_on(  # noqa: C901, PLR0912, PLR0915
                 b[j] += db
                 port_a[i] += da
                 port_b[i] += db
-                for m in range(n_ports):
-                    q1[m] += q_start[i, m] * da + q_end[i, m] * db
-                    v1[m] += v_start[i, m] * da + v_end[i, m] * db
+                moved_by(q1, q_start, q_end, i, da, db)
+                moved_by(v1, v_start, v_end, i, da, db)
             if n_asked == 0 or largest < tolerance or largest * largest < CONVERGING * tolerance * previous:
                 break
-        for i in range(n_ports):
-            if port_a[i] != 0.0 or port_b[i] != 0.0:
-                for k in range(2 * n):
-                    new[k] += port_start[i, k] * port_a[i] + port_end[i, k] * port_b[i]
-        for k in range(2 * n):
-            state[k] = new[k]
-        for j in range(n_items):
+        pushed_on(new, port_start, port_end, port_a, port_b, state)
+        for o in range(len(others)):
+            j = others[o]
             i = port_of[j]
             before[j] = force[j]
             z0[j] = z1[j]
@@ -674,19 +904,18 @@ def march_on(  # noqa: C901, PLR0912, PLR0915
                 force[j] = on_structure(n0[j], side0[j], contact[j, 3])
             else:
                 force[j] = call_law(law_of[j], t, q1[i], v1[i], z1[j], values, offset[j])
+        if n_joined > 0:
+            start = weighed(contacts, t, four_of(q1, port4, 0), four_of(v1, port4, 0)) if n_asked > 0 else end
+            is_closed = holding(contacts, start)
+            closed = digits(is_closed)
+            put(before, joined, chosen(is_there, four(force, joined), four(before, joined)))
+            put(force, joined, chosen(is_there, forces_of(contacts, start), four(force, joined)))
         for i in range(n_ports):
             q0[i], v0[i] = q1[i], v1[i]
-        size = 0.0
-        for m in range(n_out):
-            total = 0.0
-            for k in range(out_width):
-                total += out_rows[m, k] * out_state[k]
-            out[m, step + 1] = total
-            size += abs(total)
-        if not size < FINITE:
+        if not recorded(out_columns, seen_from, out, step + 1):
             return step
-    memory.q[:], memory.v[:], memory.z[:], memory.before[:], memory.newton[:] = q0, v0, z0, before, newton
-    memory.steep[:] = steep
+    memory.q[:], memory.v[:], memory.z[:], memory.before[:] = q0[:n_ports], v0[:n_ports], z0, before[:n_items]
+    memory.newton[:], memory.steep[:] = newton, steep
     if tracing:
         for i in range(n_ports):
             trace[n_steps, i] = q0[i]

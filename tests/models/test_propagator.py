@@ -5,7 +5,8 @@ import pytest
 from scipy.linalg import expm
 
 from models.errors import NotComputableError
-from models.propagator import LANES, exact_step, to_blocks
+from models.lanes import LANES
+from models.propagator import exact_step, to_blocks
 
 H = 2e-4
 RNG = np.random.default_rng(5)
