@@ -4,10 +4,13 @@ All filtering is zero-phase and done by FFT on a record that is continued beyond
 nothing, so that the record's own ends cast no wrap-around into each other.
 """
 
+from functools import lru_cache
+
 import numpy as np
 from scipy import fft
 
-from models.arrays import FloatArray
+from models.arrays import ComplexArray, FloatArray
+from models.thinning import gain_of, thinned, thinned_to, thinning_taps
 
 PASS_EDGE = 0.37
 STOP_EDGE = 0.43
@@ -40,10 +43,11 @@ def continued(signal: FloatArray, pad: int, length: int) -> FloatArray:
     end = pad + signal.shape[-1]
     first, last = signal[..., :1], signal[..., -1:]
     taper = 0.5 * (1.0 + np.cos(np.pi * np.arange(1, pad + 1) / (pad + 1)))
-    long = np.zeros((*signal.shape[:-1], length))
+    long = np.empty((*signal.shape[:-1], length))
     long[..., :pad] = (2.0 * first - signal[..., pad:0:-1]) * taper[::-1]
     long[..., pad:end] = signal
     long[..., end : end + pad] = (2.0 * last - signal[..., -2 : -pad - 2 : -1]) * taper
+    long[..., end + pad :] = 0.0
     return long
 
 
@@ -106,18 +110,35 @@ def record_channels(
     Returns:
         (n, n_samples).
     """
-    pad = min(PAD, n_samples - 1) * factor
-    seen = fine[..., : (n_samples - 1) * factor + 1]
-    n_fast = factor * fft.next_fast_len(n_samples + 2 * pad // factor, real=True)
-    spectrum = fft.rfft(continued(seen, pad, n_fast))[..., : n_fast // factor // 2 + 1]
-    freq = np.asarray(np.arange(spectrum.shape[-1]) * (factor * fs / n_fast), np.float64)
-    gain = recorder_gain(freq, fs) / factor
-    if derivatives is None:
-        filtered = spectrum * gain
-    else:
-        orders = np.asarray(derivatives).astype(int)
-        of_order = {k: gain * (2j * np.pi * freq) ** k for k in set(orders.tolist())}
-        filtered = spectrum * np.stack([of_order[k] for k in orders.tolist()])
-    coarse = fft.irfft(filtered, n_fast // factor)
-    start = pad // factor
-    return np.ascontiguousarray(coarse[..., start : start + n_samples])
+    pad = min(PAD, n_samples - 1)
+    length = fft.next_fast_len(n_samples + 2 * pad, real=True)
+    seen = continued(fine[..., : (n_samples - 1) * factor + 1], pad * factor, length * factor)
+    left = thinned_to(factor)
+    if left < factor:
+        seen = thinned(seen, thinning_taps(factor, left), factor // left)
+    orders = () if derivatives is None else tuple(np.asarray(derivatives).astype(int).tolist())
+    n_lines = length // 2 + 1
+    filtered = fft.rfft(seen)[..., :n_lines] * _weights_of(length, fs, factor, left, orders)
+    coarse = fft.irfft(filtered, length)
+    return np.ascontiguousarray(coarse[..., pad : pad + n_samples])
+
+
+@lru_cache(maxsize=16)
+def _weights_of(length: int, fs: float, factor: int, left: int, orders: tuple[int, ...]) -> ComplexArray | FloatArray:
+    """(n_lines,) what the recorder does to a line, or (n, n_lines) with the derivative of each row.
+
+    Args:
+        length: of the transform at the record's rate.
+        fs: of the record, Hz.
+        factor: by which the rate falls.
+        left: of that by the transform, after thinning, whose gain is taken back.
+        orders: of the rows' derivatives; none for none.
+    """
+    freq = np.asarray(np.arange(length // 2 + 1) * (fs / length), np.float64)
+    gain = recorder_gain(freq, fs) / left
+    if left < factor:
+        gain = gain / gain_of(thinning_taps(factor, left), freq / (factor * fs))
+    of_order = {k: gain * (2j * np.pi * freq) ** k for k in set(orders)}
+    weights = np.stack([of_order[k] for k in orders]) if orders else gain
+    weights.flags.writeable = False
+    return weights

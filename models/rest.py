@@ -117,10 +117,10 @@ def _newton(sag: FloatArray, flexibility: FloatArray, forces: ForceFunction) -> 
 
 def _slope(forces: ForceFunction, q: FloatArray) -> FloatArray:
     """(n_ports,)*2 diagonal derivative of the forces, by a one-sided difference small beside any clearance."""
-    slope = np.zeros((len(q), len(q)))
+    slope, here = np.zeros((len(q), len(q))), forces(q)
     for i in range(len(q)):
         nudge = 1e-9 if abs(q[i]) < 1e-3 else 1e-6 * abs(q[i])
         moved = q.copy()
         moved[i] += nudge
-        slope[:, i] = (forces(moved) - forces(q)) / nudge
+        slope[:, i] = (forces(moved) - here) / nudge
     return slope

@@ -60,6 +60,8 @@ class ContactLaw(ABC):
 
     def slope_under(self, load: float) -> float:
         """Stiffness, N/m, where the elastic part carries a load (N), over the last doubling of the penetration."""
+        if self.straight is not None:
+            return self.straight[0]
         p = SMALLEST
         while self.elastic(p) < load and p < LARGEST:
             p *= 2.0
