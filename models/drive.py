@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -32,6 +33,12 @@ class Drive:
     base: FloatArray | None
     base_motion: FloatArray
     seen: FloatArray | None
+
+    @cached_property
+    def peaks(self) -> tuple[float, float]:
+        """Of the force, N, and of the base's acceleration, m/s^2; 0 where there is none."""
+        force, base = (0.0 if each is None else float(np.abs(each).max()) for each in (self.force, self.base))
+        return force, base
 
 
 STILL = np.zeros((2, 0))

@@ -70,7 +70,8 @@ def to_blocks(
     if stiffening is None and np.count_nonzero(damping - np.diag(np.diag(damping))) == 0:
         speed = np.where(omega > 0.0, omega, 1.0)
         blocks[:m, 0, 1], blocks[:m, 1, 0], blocks[:m, 1, 1] = speed, -(omega**2) / speed, -np.diag(damping)
-        basis = np.diag(np.concatenate([np.ones(m), speed]))
+        scale = np.concatenate([np.ones(m), speed])
+        basis, inverse = np.diag(scale), np.diag(1.0 / scale)
     else:
         stiffness = np.diag(omega**2) if stiffening is None else np.diag(omega**2) + stiffening
         system = np.block([[np.zeros((m, m)), np.eye(m)], [-stiffness, -damping]])
@@ -85,9 +86,10 @@ def to_blocks(
                 "hold the structure, or change a dashpot by a part in a million",
             )
         blocks[:m], basis = found
+        inverse = np.asarray(np.linalg.inv(basis), np.float64)
     busy = np.concatenate([np.arange(m), n + np.arange(m)])
     from_modal, to_modal = np.zeros((2 * n, 2 * m)), np.zeros((2 * m, 2 * n))
-    from_modal[busy], to_modal[:, busy] = np.linalg.inv(basis), basis
+    from_modal[busy], to_modal[:, busy] = inverse, basis
     return Blocks(blocks, from_modal[:, m:] @ inputs, from_modal, to_modal)
 
 

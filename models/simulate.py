@@ -13,7 +13,7 @@ from models.effects.protocol import Measurement
 from models.errors import DivergenceError, InputError
 from models.marching import march_model
 from models.memory import keep_freed_memory
-from models.modal import ModalModel, build_modal
+from models.modal import ModalModel, Modes, build_modal
 from models.plant import Plant
 from models.ports import Port
 from models.propagator import Blocks
@@ -280,9 +280,8 @@ def _yielding(omega: FloatArray, h: float) -> FloatArray:
 
 def load_of(model: ModalModel, drive: Drive) -> float:
     """Peak of what drives the model, as a force, and the forces at rest, N; 1 where there is none of both."""
-    inertia = float(np.sum(model.carried**2))
-    inputs = ((drive.force, 1.0), (drive.base, inertia))
-    peak = sum(scale * float(np.abs(signal).max()) for signal, scale in inputs if signal is not None)
+    force, base = drive.peaks
+    peak = force + base * float(np.sum(model.carried**2))
     return peak + float(np.abs(model.rest.law_forces).sum() + np.abs(model.rest.contact_forces).sum()) or 1.0
 
 
@@ -304,10 +303,18 @@ def output_rows(model: ModalModel, system: Blocks, sensors: tuple[Sensor, ...]) 
         system: its state.
         sensors: what is read.
     """
-    shapes = [model.rows(sensor.position, 1 if sensor.quantity == "angular_velocity" else 0) for sensor in sensors]
-    rows = np.reshape(shapes, (len(sensors), model.n))
-    displaced = np.array([sensor.quantity == "displacement" for sensor in sensors], np.bool_)
-    return np.where(displaced[:, None], system.displacement(rows), system.velocity(rows))
+    return _output_rows(model.modes, system, tuple((sensor.position, sensor.quantity) for sensor in sensors))
+
+
+@lru_cache(maxsize=256)
+def _output_rows(modes: Modes, system: Blocks, seen: tuple[tuple[float | None, str], ...]) -> FloatArray:
+    """The same, kept while only contacts, laws and records change, by place and quantity of each sensor."""
+    shapes = [modes.rows(position, 1 if quantity == "angular_velocity" else 0) for position, quantity in seen]
+    rows = np.reshape(shapes, (len(seen), len(modes.omega)))
+    displaced = np.array([quantity == "displacement" for _, quantity in seen], np.bool_)
+    found = np.where(displaced[:, None], system.displacement(rows), system.velocity(rows))
+    found.flags.writeable = False
+    return found
 
 
 def _seen_of_base(seen: FloatArray, sensor: Sensor) -> FloatArray:

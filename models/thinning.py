@@ -11,6 +11,7 @@ from numba import njit
 from scipy.signal import firwin, kaiser_beta
 
 from models.arrays import FloatArray
+from models.lanes import LANES, lanes, total
 from models.stepping import OPTIONS
 
 WANTED = 0.45
@@ -74,18 +75,18 @@ def thinned(signal: FloatArray, taps: FloatArray, every: int) -> FloatArray:
     """
     n_rows, n_samples = signal.shape
     half, n_left = len(taps) // 2, n_samples // every
-    found = np.empty((n_rows, n_left))
+    found, whole = np.empty((n_rows, n_left)), np.zeros(-(-len(taps) // LANES) * LANES)
+    whole[: len(taps)] = taps
     for m in range(n_rows):
-        row = signal[m]
         for i in range(n_left):
             first = i * every - half
-            total = 0.0
-            if first >= 0 and first + len(taps) <= n_samples:
-                part = row[first : first + len(taps)]
-                for k in range(len(taps)):
-                    total += taps[k] * part[k]
+            if first >= 0 and first + len(whole) <= n_samples:
+                weighted = lanes(whole, 0) * lanes(signal, (m, first))
+                for k in range(LANES, len(whole), LANES):
+                    weighted = weighted + lanes(whole, k) * lanes(signal, (m, first + k))
+                found[m, i] = total(weighted)
             else:
+                found[m, i] = 0.0
                 for k in range(max(0, -first), min(len(taps), n_samples - first)):
-                    total += taps[k] * row[first + k]
-            found[m, i] = total
+                    found[m, i] += taps[k] * signal[m, first + k]
     return found
