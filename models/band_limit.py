@@ -113,32 +113,31 @@ def record_channels(
     pad = min(PAD, n_samples - 1)
     length = fft.next_fast_len(n_samples + 2 * pad, real=True)
     seen = continued(fine[..., : (n_samples - 1) * factor + 1], pad * factor, length * factor)
-    left = thinned_to(factor)
+    left = thinned_to(factor) if n_samples > PAD else factor  # a short one's ends would be seen
     if left < factor:
         seen = thinned(seen, thinning_taps(factor, left), factor // left)
-    orders = () if derivatives is None else tuple(np.asarray(derivatives).astype(int).tolist())
-    n_lines = length // 2 + 1
-    filtered = fft.rfft(seen)[..., :n_lines] * _weights_of(length, fs, factor, left, orders)
-    coarse = fft.irfft(filtered, length)
+    orders = [0] if derivatives is None else np.asarray(derivatives).astype(int).tolist()
+    of_order = {order: _weights_of(length, fs, factor, left, order) for order in set(orders)}
+    weights = of_order[orders[0]] if len(of_order) == 1 else np.stack([of_order[order] for order in orders])
+    coarse = fft.irfft(fft.rfft(seen)[..., : length // 2 + 1] * weights, length)
     return np.ascontiguousarray(coarse[..., pad : pad + n_samples])
 
 
 @lru_cache(maxsize=16)
-def _weights_of(length: int, fs: float, factor: int, left: int, orders: tuple[int, ...]) -> ComplexArray | FloatArray:
-    """(n_lines,) what the recorder does to a line, or (n, n_lines) with the derivative of each row.
+def _weights_of(length: int, fs: float, factor: int, left: int, order: int) -> ComplexArray:
+    """(n_lines,) what the recorder does to each line of a signal that it differentiates.
 
     Args:
         length: of the transform at the record's rate.
         fs: of the record, Hz.
         factor: by which the rate falls.
         left: of that by the transform, after thinning, whose gain is taken back.
-        orders: of the rows' derivatives; none for none.
+        order: of the derivative.
     """
     freq = np.asarray(np.arange(length // 2 + 1) * (fs / length), np.float64)
     gain = recorder_gain(freq, fs) / left
     if left < factor:
         gain = gain / gain_of(thinning_taps(factor, left), freq / (factor * fs))
-    of_order = {k: gain * (2j * np.pi * freq) ** k for k in set(orders)}
-    weights = np.stack([of_order[k] for k in orders]) if orders else gain
+    weights = gain * (2j * np.pi * freq) ** order
     weights.flags.writeable = False
     return weights

@@ -25,13 +25,36 @@ def compiled(function: Function) -> Function:
     """
     dispatcher: Any = njit(**OPTIONS)(function)
     dispatcher.enable_caching()
-    # Numba has no public door to this stamp; where a version has none at all, nothing is cached.
+    if not _stamped(dispatcher, stamp_of(Path(function.__code__.co_filename).parent)):
+        return cast("Function", njit(**OPTIONS)(function))
+    return cast("Function", dispatcher)
+
+
+def noticing(*names: str) -> Callable[[Function], Function]:
+    """For a compiled function with a cache: it is compiled anew where one of some files has changed.
+
+    Args:
+        names: of files beside the function's own, whose code is built into it.
+    """
+
+    def stamped(function: Function) -> Function:
+        dispatcher: Any = function
+        folder = Path(dispatcher.py_func.__code__.co_filename).parent
+        _stamped(dispatcher, sha256(b"".join((folder / name).read_bytes() for name in names)).hexdigest())
+        return function
+
+    return stamped
+
+
+def _stamped(dispatcher: Any, stamp: str) -> bool:
+    """Whether the version in a function's cache could be told apart by a stamp."""
+    # Numba has no public door to this; where a version of it has none at all, nothing can be told.
     kept: Any = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
     if not hasattr(kept, "_version"):
-        return cast("Function", njit(**OPTIONS)(function))
+        return False
     # The version is compared before the rest is read, which may name what no longer exists.
-    kept._version += " " + stamp_of(Path(function.__code__.co_filename).parent)  # noqa: SLF001
-    return cast("Function", dispatcher)
+    kept._version += " " + stamp  # noqa: SLF001
+    return True
 
 
 @cache

@@ -13,6 +13,7 @@ from typing import Any
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
+from numba.core.errors import TypingError
 from numba.extending import intrinsic, models, overload, register_model
 
 LANES, EIGHT, FOUR = 16, 8, 4
@@ -69,6 +70,16 @@ def _index(index: Any) -> Any:
     return types.UniTuple(types.intp, len(index)) if isinstance(index, types.BaseTuple) else types.intp
 
 
+def _checked(array: Any) -> None:
+    """Numbers side by side must lie side by side.
+
+    Raises:
+        TypingError: where they do not, or are no doubles.
+    """
+    if not isinstance(array, types.Array) or array.layout != "C" or array.dtype != types.float64:
+        raise TypingError(f"{array}: vectors are read from and written to contiguous arrays of doubles")
+
+
 def _place(context: Any, builder: Any, signature: Any, args: Any, vector: Vector) -> Any:
     """Where in an array an index points to, as the place of a vector."""
     array_type, index_type = signature.args[:2]
@@ -83,6 +94,7 @@ def _reader(width: int) -> Any:
 
     def read(typing_context: Any, array: Any, index: Any) -> tuple[Any, Callable[..., Any]]:
         del typing_context
+        _checked(array)
 
         def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
             found = builder.load(_place(context, builder, signature, args, vector))
@@ -106,6 +118,7 @@ four: Any = _reader(FOUR)
 
 def _put(typing_context: Any, array: Any, index: Any, vector: Any) -> tuple[Any, Callable[..., Any]]:
     del typing_context
+    _checked(array)
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         builder.store(args[2], _place(context, builder, signature, args, signature.args[2])).align = ALIGNMENT
@@ -120,6 +133,9 @@ put: Any = intrinsic(_put)
 
 def _four_of(typing_context: Any, array: Any, numbers: Any, first: Any) -> tuple[Any, Callable[..., Any]]:
     del typing_context, first
+    _checked(array)
+    if numbers.layout != "C" or numbers.dtype not in {types.int64, types.uint64}:
+        raise TypingError(f"{numbers}: places are told by a contiguous array of 64-bit integers")
     vector = Vector(FOUR)
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:

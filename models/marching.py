@@ -1,6 +1,7 @@
 """A modal model marched through what drives it, its structure as it is or with a bending stiffness that grows."""
 
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 
@@ -73,7 +74,7 @@ def _march_drifting(
     columns, signals = signals_of(model, drive)
     columns, signals = [*columns, -1], [*(s[: n_steps + 1] for s in signals), rate * h * np.arange(n_steps + 1.0)]
     inputs, base = np.stack(signals), drive.base_motion
-    rows = read(Blocks(np.empty((0, 2, 2)), np.empty((0, 0)), np.eye(2 * m), np.eye(2 * m)))
+    rows = read(_of_modes(m))
     length = steps_of_segment(rate, model.omega, band, h)
     modal = np.zeros(2 * m) if start is None else start
     for number, first in enumerate(range(0, max(n_steps, 1), length)):
@@ -93,3 +94,9 @@ def _march_drifting(
             return first + done
         modal = segments.to_modal[s] @ state
     return n_steps
+
+
+@lru_cache(maxsize=16)
+def _of_modes(m: int) -> Blocks:
+    """A system whose state is the modal displacements and velocities; of it only what it reads is asked."""
+    return Blocks(np.empty((0, 2, 2)), np.empty((0, 0)), np.eye(2 * m), np.eye(2 * m))

@@ -13,6 +13,7 @@ import numpy as np
 from numba import njit
 
 from models.arrays import FloatArray, IntArray
+from models.compiled import noticing
 from models.lanes import EIGHT, FOUR, LANES, at, chosen, digits, eight, four, four_of, lanes, put, total
 from models.law_call import call_law
 
@@ -70,7 +71,7 @@ class Reading(NamedTuple):
     """Rows that read something from the state, without the half of their columns that may be 0 in all of them.
 
     Attributes:
-        rows: (n_rows, width) on the state from ``first`` on.
+        rows: (n_rows, width) on the state from ``first`` on; the width is a multiple of ``LANES``.
         first: number of a column.
     """
 
@@ -83,7 +84,7 @@ class Reading(NamedTuple):
         half = rows.shape[1] // 2
         first = 0 if rows[:, :half].any() else half
         last = 2 * half if rows[:, half:].any() else half
-        return cls(np.ascontiguousarray(rows[:, min(first, last - half) : last]), min(first, last - half))
+        return cls(np.array(rows[:, min(first, last - half) : last], order="C"), min(first, last - half))
 
 
 class Linear(NamedTuple):
@@ -494,14 +495,14 @@ def reached(reading: Reading, pushed: FloatArray) -> FloatArray:
         pushed: (n_ports, 2n) what the force of each port adds to the state.
     """
     first, (n_rows, width) = reading.first, reading.rows.shape
-    motion = np.zeros((len(pushed), -(-n_rows // EIGHT) * EIGHT))
+    motion = np.zeros((len(pushed), max(1, -(-n_rows // EIGHT)) * EIGHT))
     motion[:, :n_rows] = np.dot(np.ascontiguousarray(pushed[:, first : first + width]), reading.rows.T)
     return motion
 
 
 @njit(**OPTIONS)
 def joined_of(straight: FloatArray) -> tuple[int, int]:
-    """The first straight contact, and how many from there on are met together, one after the other."""
+    """The first straight contact, and how many from there on are met together; one that is not so ends the row."""
     first = 0
     while first < len(straight) and not is_straight(straight, first):
         first += 1
@@ -683,6 +684,7 @@ def march(
     return done
 
 
+@noticing("lanes.py", "law_call.py")
 @njit(**OPTIONS)
 def march_on(  # noqa: C901, PLR0912, PLR0915
     linear: Linear, items: Items, inputs: FloatArray, base: FloatArray, state: FloatArray, memory: Memory, past: int,
@@ -717,14 +719,15 @@ def march_on(  # noqa: C901, PLR0912, PLR0915
     q_width, v_width, out_width = q_rows.shape[1], v_rows.shape[1], out_rows.shape[1]
     q_start, q_end = reached(q_read, port_start), reached(q_read, port_end)
     v_start, v_end = reached(v_read, port_start), reached(v_read, port_end)
-    q0, v0, q1, v1 = np.zeros((4, q_start.shape[1]))
+    width, padded = q_start.shape[1], n_items + FOUR  # four items can be read from any on, so there are four more
+    q0, v0, q1, v1 = np.zeros(width), np.zeros(width), np.zeros(width), np.zeros(width)
     q0[:n_ports], v0[:n_ports] = memory.q, memory.v
     z0, z1, port_a, port_b = memory.z.copy(), np.zeros(n_items), np.zeros(n_ports), np.zeros(n_ports)
     newton, steep, unmet = memory.newton.copy(), memory.steep.copy(), np.zeros(n_items, np.bool_)
-    # Four items can be read from any on, so there are four more.
-    a, b, force, before, p0, r0, n0, side0 = np.zeros((8, n_items + FOUR))
+    a, b, force, before = np.zeros(padded), np.zeros(padded), np.zeros(padded), np.zeros(padded)
+    p0, r0, n0, side0 = np.zeros(padded), np.zeros(padded), np.zeros(padded), np.zeros(padded)
     before[:n_items] = memory.before
-    port_of = np.zeros(n_items + FOUR, np.uint64)  # unsigned: no index has to be asked whether it counts from the end
+    port_of = np.zeros(padded, np.uint64)  # unsigned: no index has to be asked whether it counts from the end
     port_of[:n_items] = items.port
     joined, n_joined = joined_of(straight)
     together, contacts = slice(joined, joined + n_joined), side_by_side(straight, contact, joined, n_joined)

@@ -11,6 +11,7 @@ from numba import njit
 from scipy.signal import firwin, kaiser_beta
 
 from models.arrays import FloatArray
+from models.compiled import noticing
 from models.lanes import LANES, lanes, total
 from models.stepping import OPTIONS
 
@@ -64,6 +65,7 @@ def gain_of(taps: FloatArray, freq: FloatArray) -> FloatArray:
     )
 
 
+@noticing("lanes.py", "stepping.py")
 @njit(**OPTIONS)
 def thinned(signal: FloatArray, taps: FloatArray, every: int) -> FloatArray:
     """(n, M / every) every so many values of filtered rows, the first at the first sample; beyond the ends is nothing.

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from scipy import fft
 
-from models.band_limit import continued, raise_rate, record_channels, recorder_gain
+from models.band_limit import PAD, continued, raise_rate, record_channels, recorder_gain
 
 FS, N = 1000.0, 1200
 INSIDE = slice(200, -200)  # beyond the reach of the continuation
@@ -103,3 +104,28 @@ def test_short_records_are_filtered_too(n):
     assert recorded.shape == (1, n)
     assert np.isfinite(recorded).all()
     assert raise_rate(np.ones(n), 3).shape == (3 * n,)
+
+
+@pytest.mark.parametrize(("factor", "n"), [(6, 129), (6, N), (9, N), (12, 500), (64, 300)])
+def test_thinning_before_the_transform_changes_nothing_that_is_seen(factor, n):
+    """Against one transform of all samples; impacts reach the end of the spectrum."""
+    rng = np.random.default_rng(factor)
+    fine = np.cumsum(rng.standard_normal((2, (n - 1) * factor + 1)) * (rng.random((n - 1) * factor + 1) < 0.02), axis=1)
+    pad = min(PAD, n - 1)
+    length = fft.next_fast_len(n + 2 * pad, real=True)
+    spectrum = fft.rfft(continued(fine, pad * factor, length * factor))[:, : length // 2 + 1]
+    freq = np.arange(length // 2 + 1) * (FS / length)
+    for order in (0, 1):
+        lines = spectrum * recorder_gain(freq, FS) / factor * (2j * np.pi * freq) ** order
+        whole = fft.irfft(lines, length)[:, pad : pad + n]
+        found = record_channels(fine, factor, n, FS, derivatives=np.full(2, order))
+        np.testing.assert_allclose(found, whole, atol=1e-8 * np.abs(whole).max())
+
+
+def test_a_record_as_short_as_what_is_continued_is_not_thinned():
+    fine = np.random.default_rng(0).standard_normal((1, 6 * PAD))
+    spectrum = fft.rfft(continued(fine[:, : 6 * (PAD - 1) + 1], 6 * (PAD - 1), 6 * 384))
+    assert fft.next_fast_len(PAD + 2 * (PAD - 1), real=True) == 384
+    freq = np.arange(193) * (FS / 384)
+    whole = fft.irfft(spectrum[:, :193] * recorder_gain(freq, FS) / 6, 384)[:, PAD - 1 : 2 * PAD - 1]
+    np.testing.assert_allclose(record_channels(fine, 6, PAD, FS), whole, atol=1e-13)

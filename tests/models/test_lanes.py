@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from numba import njit
+from numba.core.errors import TypingError
 
 from models.lanes import EIGHT, FOUR, LANES, at, chosen, digits, eight, four, four_of, lanes, put, total
 
@@ -79,3 +80,14 @@ def of_no_number(row):
 
 def test_what_is_no_number_compares_as_neither():
     assert of_no_number(np.array([np.nan, 0.0, 2.0, np.nan])) == (2, 4)
+
+
+@pytest.mark.parametrize("row", [np.zeros(20)[::2], np.asfortranarray(np.zeros((4, 20))), np.zeros(20, np.float32)])
+def test_numbers_that_do_not_lie_side_by_side_are_refused(row):
+    with pytest.raises(TypingError, match="contiguous arrays of doubles"):
+        of_no_number(row)
+
+
+def test_places_that_are_no_integers_are_refused():
+    with pytest.raises(TypingError, match="64-bit integers"):
+        gathered(ROW, np.zeros(5, np.int32), np.zeros(FOUR))

@@ -464,3 +464,27 @@ def test_a_film_between_hard_walls_is_marched_through():
     plant = build_plant(rig_with(sleeve(0.45, **walls), sleeve(1.0, **walls)), extra=[film])
     record = record_of(plant, multisine(FS, N, 5.0, 200.0, 15.0), FS)
     assert np.isfinite(simulate(plant, record).channels).all()
+
+
+def stiffening(t, q, v, z, p):
+    return -p[0] * q - p[1] * q * q * q - p[2] * v
+
+
+def test_many_ports_and_sensors_are_taken_eight_at_a_time():
+    """Nine laws in either order, and seventeen rows that are read, each of which may be read alone."""
+    laws = [PointLaw(Port(0.12 * k), stiffening, (50.0 + 20.0 * k, 1e6 * k, 0.3 * k)) for k in range(1, 10)]
+    found = []
+    for each in (laws, laws[::-1]):
+        model = build_modal(replace(beam(), laws=tuple(each)), 800.0)
+        system, linear, inputs = linear_of(
+            model, Drive(burst(8192.0, 800, 30.0, 60.0), None, STILL, None), 1.0 / 8192.0
+        )
+        rows = np.vstack([system.velocity(np.eye(model.n)), system.displacement(np.eye(model.n))])
+        assert len(model.ports) > 8
+        for chosen in (rows[:17], *rows[:17, None]):
+            out, start = np.empty((len(chosen), 800)), np.zeros(len(system.from_modal))
+            march(linear, items_of(model), inputs, STILL, start, Reading.of(chosen), out, np.empty((0, 0)), 1e-12)
+            found.append(out)
+    for whole, *alone in (found[:18], found[18:]):
+        np.testing.assert_array_equal(whole, np.vstack(alone))
+    np.testing.assert_allclose(np.abs(found[0]), np.abs(found[18]), atol=1e-9 * np.abs(found[0]).max())
