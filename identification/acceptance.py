@@ -31,6 +31,7 @@ from identification.reached import (
     NOISE_REACHED,
     is_as_near_as_models,
     is_faint,
+    is_silenced,
     missed,
     reaches_noise,
     takes_away,
@@ -337,7 +338,8 @@ def verdict_of(
     share = takes_away(calibrated, final) if has_effects else 0.0
     enough = EXPLAINED_NEAR if final.ratio <= NOISE_NEAR else EXPLAINED_FAR
     far = final.ratio > FAR_FROM_NOISE and session.fitting.nrmse_of(final.residual) > FAR_FROM_MOTION
-    if has_effects and (final.ratio <= NOISE_REACHED or (share >= enough and not far)):
+    silenced = has_effects and is_silenced(session.fitting, final)
+    if has_effects and not silenced and (final.ratio <= NOISE_REACHED or (share >= enough and not far)):
         session.decide(
             f"missing effect found; residual {final.ratio:.2f} times the noise{_over_samples(session, final)}"
         )
@@ -350,7 +352,13 @@ def verdict_of(
     if complete is not None:
         session.decide(f"complete: {complete}")
         return "complete"
-    if has_effects:
+    if silenced:
+        why = (
+            f"with {' and '.join(effect.label() for effect in final.hypothesis.effects)} the model says that next to "
+            f"nothing moves, and {session.fitting.nrmse_of(final.residual):.0%} of the motion is left: the channels do "
+            "not follow the excitation; see that the record is of this rig, and that its excitation is what drove it"
+        )
+    elif has_effects:
         short = (
             f"more than {FAR_FROM_MOTION:.0%} of the motion is left" if far else f"{enough:.0%} would be a diagnosis"
         )

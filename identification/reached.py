@@ -48,6 +48,28 @@ EXPLAINED_NEAR, EXPLAINED_FAR = 0.9, 0.97
 outside the library finds an imitation in it that takes away most, the right one leaves what all models miss."""
 
 
+LEAST_FOLLOWED, LARGE_ERROR = 0.5, 0.5
+"""Share of what the noise leaves to be told of the motion, as power, that a diagnosis tells at least, and the error
+below which that is not in question."""
+
+
+def is_silenced(evaluator: Evaluator, result: Fit) -> bool:
+    """Whether a model tells next to nothing of the motion.
+
+    Where the records are noise, or of another rig, one that says that nothing moves leaves less than one that moves
+    otherwise: a force divided by hundreds, or a damping that stops all, takes away most of the misfit.
+
+    Args:
+        evaluator: records of the fit.
+        result: of them.
+    """
+    floor = evaluator.nrmse_of_noise
+    if result.ratio * floor < LARGE_ERROR:
+        return False
+    told, left = 1.0 - evaluator.nrmse_of(result.residual) ** 2, 1.0 - floor**2
+    return told < LEAST_FOLLOWED * max(left, 0.0)
+
+
 def is_faint(evaluator: Evaluator, result: Fit) -> bool:
     """Whether a model leaves more than the noise, by as little as tells of an effect more beside those found.
 

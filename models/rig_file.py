@@ -93,6 +93,12 @@ def _parse(text: str, file: str) -> Rig:
                 "sleeves, sensors and effects are lists of tables, one for each",
                 f"head each one with [[{single[2]}s]], in double brackets",
             ) from error
+        if "(at end of document)" in str(error):
+            raise InputError(
+                f"{file}: {error}",
+                "a rig file is valid TOML",
+                "see what was opened last and not closed: a bracket, a quote, or a key without a value",
+            ) from error
         raise InputError(
             f"{file}: {error}",
             "a rig file is valid TOML",

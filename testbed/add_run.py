@@ -65,6 +65,24 @@ def numbers_of(added: Added) -> Json:
     }
 
 
+def check_order(rig: Path, kind: str) -> None:
+    """See that the rig file is named before the kind.
+
+    Args:
+        rig: file.
+        kind: of the effect.
+
+    Raises:
+        InputError: they were exchanged.
+    """
+    if str(rig) in EFFECTS and not rig.exists():
+        raise InputError(
+            f"{rig}: a kind of effect in the place of the rig",
+            "the rig file comes first, then the kind",
+            f"write testbed add {kind} {rig}",
+        )
+
+
 def check_effect(rig_path: Path, kind: str, settings: Mapping[str, Any]) -> None:
     """Whether a rig can have an effect, before its records are read.
 

@@ -75,14 +75,22 @@ def _further(sleeves: Sequence[str], pressed: Mapping[float, FloatArray]) -> tup
         return HIGHER[0], ""
     now = pressed[1.0]
     for level in HIGHER:
-        is_new = np.any((now == 0.0) & (pressed[level] > 0.0), axis=0)
-        fresh = [name for name, new in zip(sleeves, is_new, strict=True) if new]
+        is_new = ((now == 0.0) & (pressed[level] > 0.0)).T.tolist()
+        fresh = [
+            f"{WALLS[wall, other]} of {name}"
+            for name, (wall, other) in zip(sleeves, is_new, strict=True)
+            if wall or other
+        ]
         if fresh:
-            return level, f"walls of {' and '.join(fresh)} that no record has touched are touched there"
+            return level, f"what no record has touched is touched there: {' and '.join(fresh)}"
     if np.any(now == 0.0):
         return HIGHER[-1], f"up to {HIGHER[-1]:g} times the level it reaches no other wall"
     deeper = float(pressed[HIGHER[0]].max() / now.max())
     return HIGHER[0], f"every wall has been touched; there they are pressed {deeper:.2g} times as hard"
+
+
+WALLS = {(True, False): "the lower wall", (False, True): "the upper wall", (True, True): "both walls"}
+"""Of a sleeve, by whether it is the lower and the upper one."""
 
 
 def learn_from(records: Evaluator, bench: Bench, model: Hypothesis, missed: Sequence[str]) -> Proposal:

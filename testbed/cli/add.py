@@ -40,9 +40,10 @@ def add(
     settings = {key: value for key, value in given.items() if value is not None}
     folder = out_folder(out, rig, "compare.json", "figures/")
     with progress() as tell:
-        from testbed.add_run import check_effect, run_add
+        from testbed.add_run import check_effect, check_order, run_add
         from testbed.inputs import read_inputs
 
+        check_order(rig, kind)
         check_effect(rig, kind, settings)
         inputs = read_inputs(rig, fit, without=without or ())
         tell(f"adding {kind} and fitting it to {', '.join(record.name for record in inputs.records)}")

@@ -44,6 +44,12 @@ def format_of(path: Path) -> Format:
         InputError: an unknown suffix.
     """
     suffix = path.suffix.lower()
+    if suffix == ".toml":
+        raise InputError(
+            f"{path.name}: a rig file or an experiment in the place of a record",
+            f"a record is one of {', '.join(FORMATS)}",
+            "name the rig file first, and then its records",
+        )
     if suffix not in FORMATS:
         near = get_close_matches(suffix, FORMATS, n=1)
         raise InputError(
@@ -92,7 +98,9 @@ def read_file(path: Path) -> AnyRecording:
 
 def _check_there(path: Path, form: Format) -> None:
     if not path.is_file():
-        raise InputError(f"{path}: there is no such file", "a record is a file", "check the path")
+        raise InputError(
+            f"{path}: there is no such file", f"a record is a file, one of {', '.join(FORMATS)}", "check the path"
+        )
     if path.stat().st_size == 0:
         raise InputError(f"{path.name}: the file is empty", f"it should hold {form.HOLDS}", "export the record again")
 

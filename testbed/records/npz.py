@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from models.arrays import AnyArray
+from testbed.records.isolation import UnreadableError
 from testbed.records.recording import Recording
 from testbed.records.variables import parse_units, recording_of, stored_names
 
@@ -17,11 +18,17 @@ def read(path: Path) -> Recording:
 
     Raises:
         InputError: a time base that is none.
+        UnreadableError: no arrays of numbers.
         Exception: whatever numpy raises on an archive that is broken.
     """
-    with np.load(path, allow_pickle=False) as archive:
-        # Opened by the file's content: a lone .npy array under this suffix has no names.
-        variables = {name: np.asarray(archive[name]) for name in archive.files}
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            # Opened by the file's content: a lone .npy array under this suffix has no names.
+            variables = {name: np.asarray(archive[name]) for name in archive.files}
+    except ValueError as error:
+        if "pickle" in str(error):
+            raise UnreadableError("Python objects, or no arrays at all") from error
+        raise
     units = variables.pop("units", None)
     labels = {} if units is None else parse_units(str(entry) for entry in units.reshape(-1))
     return recording_of(path.name, variables, labels)

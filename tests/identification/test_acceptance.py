@@ -38,10 +38,11 @@ from identification.fit import fit
 from identification.hypothesis import Hypothesis, effect_unknowns, rig_unknowns
 from identification.kept_aside import KeptAside
 from identification.prepare import Horizon
-from identification.reached import missed
+from identification.reached import NOISE_REACHED, is_silenced, missed
 from identification.rest_target import ModesTarget
 from models.effects import Place
 from models.effects.coulomb_friction import CoulombFriction
+from models.effects.force_gain import ForceGain
 from models.effects.point_mass import PointMass
 from models.effects.sensor_gain import SensorGain
 from models.record import ModeShapeRecord
@@ -447,3 +448,18 @@ def test_a_model_with_an_effect_less_is_fitted_to_its_end_only_where_its_first_s
     assert (taken, less.ratio) == (0, pytest.approx(1.0, abs=0.1))
     assert pruned(session, calibrated, found, newest=0) == []
     assert fitted == [0]
+
+
+@pytest.mark.parametrize(
+    ("effect", "verdict"), [(ForceGain(Place(), gain=450.0), "unexplained"), (MASS, "missing_effect")]
+)
+def test_a_model_that_says_that_nothing_moves_is_no_diagnosis(effect, verdict):
+    """Noise of three times the motion: a force divided by 450 leaves little more than the right model."""
+    noisy = evaluator_of(measured(Hypothesis(REFERENCE).with_effects(MASS), multisine(), noise=3.0))
+    final = fit(noisy, Hypothesis(REFERENCE).with_effects(effect), (), max_iterations=0)
+    assert 0.9 < noisy.nrmse_of_noise < 1.0
+    assert final.ratio < NOISE_REACHED
+    assert is_silenced(noisy, final) == (verdict == "unexplained")
+    session = Listener(fitting=noisy)
+    assert verdict_of(session, replace(final, chi2=9.0 * final.chi2), final) == verdict
+    assert ("next to nothing moves" in session.decisions[-1]) == (verdict == "unexplained")

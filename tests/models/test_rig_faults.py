@@ -330,6 +330,7 @@ def test_a_spoilt_oscillator_says_what_how_and_where(bad_rig, more, expected):
         ("structure = 5", "structure = 5; a rig has one [structure] table, whose kind is"),
         (f"effects = [5]\n{OSCILLATOR_TOML}", "effects[0] = 5; effects are a list of tables; head each one"),
         (b'[structure]\nkind = "b\xe4m"', "byte 22 is not UTF-8; a rig file is a text in UTF-8; save it"),
+        ("hello = [", "Invalid value (at end of document); a rig file is valid TOML; see what was opened last and not"),
         (b"\x00", "Invalid statement (at line 1, column 1); a rig file is valid TOML; correct that line"),
     ],
 )

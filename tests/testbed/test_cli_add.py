@@ -122,6 +122,12 @@ def test_an_effect_that_does_not_fit_is_told(arguments, message, capsys):
     assert message in capsys.readouterr().err
 
 
+def test_a_kind_that_is_named_before_the_rig_is_told(capsys):
+    assert main(["add", "squeeze_film", "rig.toml", "--fit", "burst.csv", "--out", "none"]) == 2
+    expected = "squeeze_film: a kind of effect in the place of the rig; the rig file comes first, then the kind; write "
+    assert f"{expected}testbed add rig.toml squeeze_film" in capsys.readouterr().err
+
+
 def test_the_numbers_are_shown_with_their_deviations(capsys):
     assert main(["add", "rig.toml", "point_mass", "--position", "0.6", "--fit", "burst.csv", "--out", "mass"]) == 0
     told = capsys.readouterr().out

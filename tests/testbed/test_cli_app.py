@@ -21,7 +21,7 @@ EXPERIMENT = Path(__file__).parents[2] / "docs" / "experiment.toml"
     ("arguments", "beginning"),
     [
         (["compare", "none.toml", "a.csv"], "none.toml does not exist; a rig is a TOML file; correct the path"),
-        (["compare", str(RIG), "a.csv"], "a.csv: there is no such file; a record is a file; check the path"),
+        (["compare", str(RIG), "a.csv"], "a.csv: there is no such file; a record is a file, one of .uff, .unv"),
         (["compare", str(RIG)], "testbed compare: Missing argument 'RECORD'; usage: testbed compare RIG RECORD... ["),
         (
             ["sweep", str(RIG), "--from", "5", "--to", "9"],
@@ -64,6 +64,10 @@ EXPERIMENT = Path(__file__).parents[2] / "docs" / "experiment.toml"
         (["compare", "a.csv", "a.csv"], "a.csv: a record in the place of the rig; the rig file (.toml) comes first"),
         (["diagnose", str(RIG), "a.csv", "--out", str(RIG)], f"--out {RIG}: {RIG} is a file; results go into a folder"),
         (["frf", "a.doc"], 'a.doc: the suffix ".doc"'),
+        (
+            ["compare", str(RIG), str(RIG)],
+            "rig.toml: a rig file or an experiment in the place of a record",
+        ),
         (["history", "nowhere"], "nowhere: no history"),
     ],
 )

@@ -167,7 +167,11 @@ ALWAYS = {
     },
     "text as mat": (content("bad.mat", b"time [s],P1 [g]\n0,1\n"), ["bad.mat", "MATLAB"]),
     "text as uff": (content("bad.uff", b"time [s],P1 [g]\n0,1\n"), ["bad.uff", "has no datasets"]),
-    "text as npz": (content("bad.npz", b"time [s],P1 [g]\n0,1\n"), ["bad.npz", "numpy.savez"]),
+    "text as npz": (
+        content("bad.npz", b"time [s],P1 [g]\n0,1\n"),
+        ["bad.npz: cannot be read (Python objects, or no arrays at all)", "numpy.savez"],
+    ),
+    "rig": (content("rig.toml", b"[structure]"), ["rig.toml: a rig file or an experiment in the place of a record"]),
     # CSV.
     "no header": (csv(lambda lines: lines[1:]), ["bad.csv", "has no header", "time [s],P1 [m/s^2]"]),
     "header alone": (csv(lambda lines: lines[:1]), ["bad.csv", "has no samples"]),
