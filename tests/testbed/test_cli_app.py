@@ -66,7 +66,7 @@ EXPERIMENT = Path(__file__).parents[2] / "docs" / "experiment.toml"
         (["frf", "a.doc"], 'a.doc: the suffix ".doc"'),
         (
             ["compare", str(RIG), str(RIG)],
-            "rig.toml: a rig file or an experiment in the place of a record",
+            "reference_rig.toml: a rig file or an experiment in the place of a record",
         ),
         (["history", "nowhere"], "nowhere: no history"),
     ],
