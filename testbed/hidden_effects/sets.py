@@ -558,8 +558,8 @@ REPORTED = CaseSet(
             "0d01c2b",
             9,
             taught="nothing: all are right",
-            run="Two threads, one case at a time with the machine to itself, whose speed others on its host change. Ended "
-            "by hand when the stepper had become quicker again, while a tenth, outside, was at work for twenty minutes.",
+            run="Two threads, one case at a time with the machine to itself, whose speed others on its host change. "
+            "Ended by hand when the stepper had become quicker again; a tenth, outside, had worked for 20 minutes.",
             first_kind="breathing_crack",
             first_law="pulsating_spring",
             n_laws=9,
