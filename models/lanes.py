@@ -26,42 +26,43 @@ ALIGNMENT = 8
 """Bytes: a vector may begin at any number of an array."""
 
 
-class Vector(types.Type):
-    """The compiled type of so many doubles side by side.
+class SideBySide(types.Type):
+    """The compiled type of so many of one thing side by side.
 
     Args:
         width: how many.
+
+    Attributes:
+        each: what the compiler knows one of them as.
     """
+
+    each: Any
 
     def __init__(self, width: int) -> None:
         self.width = width
-        super().__init__(name=f"Vector({width})")
+        super().__init__(name=f"{type(self).__name__}({width})")
 
     def stored(self) -> Any:
-        """What the compiler knows it as."""
-        return ir.VectorType(ir.DoubleType(), self.width)
+        """What the compiler knows all of them as."""
+        return ir.VectorType(self.each, self.width)
 
 
-class Mask(types.Type):
-    """The compiled type of so many answers side by side.
+class Vector(SideBySide):
+    """Doubles."""
 
-    Args:
-        width: how many.
-    """
+    each = ir.DoubleType()
 
-    def __init__(self, width: int) -> None:
-        self.width = width
-        super().__init__(name=f"Mask({width})")
 
-    def stored(self) -> Any:
-        """What the compiler knows it as."""
-        return ir.VectorType(ir.IntType(1), self.width)
+class Mask(SideBySide):
+    """Answers."""
+
+    each = ir.IntType(1)
 
 
 @register_model(Vector)
 @register_model(Mask)
 class _InRegisters(models.PrimitiveModel):
-    def __init__(self, manager: Any, kind: Vector | Mask) -> None:
+    def __init__(self, manager: Any, kind: SideBySide) -> None:
         super().__init__(manager, kind, kind.stored())  # type: ignore[no-untyped-call]
 
 
@@ -219,9 +220,9 @@ digits: Any = intrinsic(_digits)
 """The number whose binary digits are a mask's answers, the first of them the last digit."""
 
 
-def _wide(builder: Any, number: Any, kind: Any, vector: Vector | Mask) -> Any:
+def _wide(builder: Any, number: Any, kind: Any, vector: SideBySide) -> Any:
     """A vector or a mask as it is, and one number as a vector of it alone."""
-    if isinstance(kind, Vector | Mask):
+    if isinstance(kind, SideBySide):
         return number
     nothing, first = ir.Constant(vector.stored(), ir.Undefined), ir.Constant(ir.IntType(32), 0)
     one = builder.insert_element(nothing, number, first)
@@ -231,8 +232,8 @@ def _wide(builder: Any, number: Any, kind: Any, vector: Vector | Mask) -> Any:
 def _define(
     sign: Callable[..., Any],
     operate: Callable[..., Any],
-    result: type[Vector | Mask],
-    of: type[Vector | Mask] = Vector,
+    result: type[SideBySide],
+    of: type[SideBySide] = Vector,
 ) -> None:
     """Say what an operator does with two vectors (or masks), or with one and a number."""
 

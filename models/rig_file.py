@@ -93,17 +93,7 @@ def _parse(text: str, file: str) -> Rig:
                 "sleeves, sensors and effects are lists of tables, one for each",
                 f"head each one with [[{single[2]}s]], in double brackets",
             ) from error
-        if "(at end of document)" in str(error):
-            raise InputError(
-                f"{file}: {error}",
-                "a rig file is valid TOML",
-                "see what was opened last and not closed: a bracket, a quote, or a key without a value",
-            ) from error
-        raise InputError(
-            f"{file}: {error}",
-            "a rig file is valid TOML",
-            "correct that line; decimals take a point, texts stand in quotes, and a key stands once in its table",
-        ) from error
+        raise not_toml(file, "a rig file", error, "a key stands once in its table") from error
     if "structure" not in content and "kind" in _table(content, "excitation"):
         raise InputError(
             f"{file}: an experiment in the place of the rig",
@@ -114,6 +104,22 @@ def _parse(text: str, file: str) -> Rig:
         return Rig.model_validate(content)
     except ValidationError as error:
         raise first_fault(file, error) from error
+
+
+def not_toml(file: str, what: str, error: Exception, rule: str) -> InputError:
+    """What is told of a text that is no TOML.
+
+    Args:
+        file: its name.
+        what: it should be.
+        error: of the parser, which names a line, or the end.
+        rule: of TOML that is broken most often in such files.
+    """
+    if "(at end of document)" in str(error):
+        mend = "see what was opened last and not closed: a bracket, a quote, or a key without a value"
+    else:
+        mend = f"correct that line; decimals take a point, texts stand in quotes, and {rule}"
+    return InputError(f"{file}: {error}", f"{what} is valid TOML", mend)
 
 
 def _table(content: dict[str, Any], key: str) -> dict[str, Any]:

@@ -165,16 +165,16 @@ class Memory(NamedTuple):
 
 
 @njit(**INLINE)
-def pressed(contact: FloatArray, j: int, t: float, side: float, q: float, v: float) -> tuple[float, float]:
-    """(p, dp/dt) of row j of ``Items.contact`` at q, v, against the wall on this side."""
-    return side * (q - contact[j, 1]) - contact[j, 0] - contact[j, 2] * t, side * v - contact[j, 2]
+def pressed(clearance: Any, offset: Any, growth: Any, t: float, side: Any, q: Any, v: Any) -> tuple[Any, Any]:
+    """(p, dp/dt) at q, v of a contact against the wall on this side, or of several side by side."""
+    return side * (q - offset) - clearance - growth * t, side * v - growth
 
 
 @njit(**INLINE)
 def penetration_of(contact: FloatArray, j: int, t: float, q: float, v: float) -> tuple[float, float, float]:
     """(p, dp/dt, side) of row j of ``Items.contact`` at q, v."""
     side = 1.0 if q - contact[j, 1] >= 0.0 else -1.0
-    p, rate = pressed(contact, j, t, side, q, v)
+    p, rate = pressed(contact[j, 0], contact[j, 1], contact[j, 2], t, side, q, v)
     return p, rate, side
 
 
@@ -324,8 +324,7 @@ def straight_step(contacts: Straight, t: float, h: float, start: Weighed, q1: An
     Returns:
         the weights, penetration at the end, and the forces halfway and at the end: closed where none is below 0.
     """
-    p1 = start.side * (q1 - contacts.offset) - contacts.clearance - contacts.growth * t
-    rate1 = start.side * v1 - contacts.growth
+    p1, rate1 = pressed(contacts.clearance, contacts.offset, contacts.growth, t, start.side, q1, v1)
     p, rate = halfway(h, start.p, start.rate, p1, rate1)
     middle, last = contacts.k * p + contacts.c * rate, contacts.k * p1 + contacts.c * rate1
     a, b = (2.0 * (start.normal + middle) - last) / -3.0, (2.0 * (middle + last) - start.normal) / -3.0
@@ -335,9 +334,8 @@ def straight_step(contacts: Straight, t: float, h: float, start: Weighed, q1: An
 @njit(**INLINE)
 def weighed(contacts: Straight, t: float, q: Any, v: Any) -> Weighed:
     """Straight contacts at q, v."""
-    beyond = q - contacts.offset
-    side = chosen(beyond >= 0.0, 1.0, -1.0)
-    p, rate = side * beyond - contacts.clearance - contacts.growth * t, side * v - contacts.growth
+    side = chosen(q - contacts.offset >= 0.0, 1.0, -1.0)
+    p, rate = pressed(contacts.clearance, contacts.offset, contacts.growth, t, side, q, v)
     normal = chosen(contacts.is_bilateral | (p > 0.0), contacts.k * p + contacts.c * rate, 0.0)
     return Weighed(p, rate, side, normal)
 
@@ -529,6 +527,12 @@ def side_by_side(straight: FloatArray, contact: FloatArray, first: int, n: int) 
         four(numbers, (0, 0)), four(numbers, (1, 0)), four(numbers, (2, 0)), four(numbers, (3, 0)),
         four(numbers, (4, 0)), four(numbers, (5, 0)) > 0.0, four(numbers, (6, 0)) > 0.0,
     )  # fmt: skip
+
+
+@njit(**INLINE)
+def put_where(mask: Any, array: FloatArray, first: int, numbers: Any) -> None:
+    """Write four numbers to an array from one place on, where a mask says so."""
+    put(array, first, chosen(mask, numbers, four(array, first)))
 
 
 @njit(**INLINE)
@@ -768,9 +772,9 @@ def march_on(  # noqa: C901, PLR0912, PLR0915
     end, is_closed, all_joined = start, holding(contacts, start), (1 << n_joined) - 1
     closed = digits(is_closed)
     if n_joined > 0:
-        put(force, joined, chosen(is_there, forces_of(contacts, start), four(force, joined)))
+        put_where(is_there, force, joined, forces_of(contacts, start))
         if past == 0:
-            put(before, joined, chosen(is_there, four(force, joined), four(before, joined)))
+            put_where(is_there, before, joined, four(force, joined))
     for m in range(n_out):
         out[m, 0] = 0.0
         for k in range(out_width):
@@ -824,10 +828,10 @@ def march_on(  # noqa: C901, PLR0912, PLR0915
                 quiet = closed | digits(stays_out(contacts, start, end, four(a, joined), four(b, joined)))
                 if quiet & all_joined == all_joined and len(others) == 0:
                     break
-                put(p0, joined, chosen(is_there, start.p, four(p0, joined)))
-                put(r0, joined, chosen(is_there, start.rate, four(r0, joined)))
-                put(side0, joined, chosen(is_there, start.side, four(side0, joined)))
-                put(n0, joined, chosen(is_there, start.normal, four(n0, joined)))
+                put_where(is_there, p0, joined, start.p)
+                put_where(is_there, r0, joined, start.rate)
+                put_where(is_there, side0, joined, start.side)
+                put_where(is_there, n0, joined, start.normal)
             for j in range(n_items):
                 if quiet >> digit[j] & 1:
                     continue
@@ -911,8 +915,8 @@ def march_on(  # noqa: C901, PLR0912, PLR0915
             start = weighed(contacts, t, four_of(q1, port4, 0), four_of(v1, port4, 0)) if n_asked > 0 else end
             is_closed = holding(contacts, start)
             closed = digits(is_closed)
-            put(before, joined, chosen(is_there, four(force, joined), four(before, joined)))
-            put(force, joined, chosen(is_there, forces_of(contacts, start), four(force, joined)))
+            put_where(is_there, before, joined, four(force, joined))
+            put_where(is_there, force, joined, forces_of(contacts, start))
         for i in range(n_ports):
             q0[i], v0[i] = q1[i], v1[i]
         if not recorded(out_columns, seen_from, out, step + 1):

@@ -11,9 +11,8 @@ from numba import njit
 from scipy.signal import firwin, kaiser_beta
 
 from models.arrays import FloatArray
-from models.compiled import noticing
+from models.compiled import OPTIONS, noticing
 from models.lanes import LANES, lanes, total
-from models.stepping import OPTIONS
 
 WANTED = 0.45
 """The band that is wanted, as a fraction of the rate at which it is recorded in the end: just beyond its stop edge."""
@@ -65,8 +64,8 @@ def gain_of(taps: FloatArray, freq: FloatArray) -> FloatArray:
     )
 
 
-@noticing("lanes.py", "stepping.py")
-@njit(**OPTIONS)
+@noticing("lanes.py")
+@njit(cache=True, **OPTIONS)
 def thinned(signal: FloatArray, taps: FloatArray, every: int) -> FloatArray:
     """(n, M / every) every so many values of filtered rows, the first at the first sample; beyond the ends is nothing.
 

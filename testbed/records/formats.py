@@ -36,6 +36,8 @@ FORMATS: dict[str, Format] = {
     ".npz": npz,
 }
 
+ONE_OF = f"one of {', '.join(FORMATS)}"
+
 
 def format_of(path: Path) -> Format:
     """The format that the suffix names, in any case.
@@ -47,14 +49,14 @@ def format_of(path: Path) -> Format:
     if suffix == ".toml":
         raise InputError(
             f"{path.name}: a rig file or an experiment in the place of a record",
-            f"a record is one of {', '.join(FORMATS)}",
+            f"a record is {ONE_OF}",
             "name the rig file first, and then its records",
         )
     if suffix not in FORMATS:
         near = get_close_matches(suffix, FORMATS, n=1)
         raise InputError(
             f'{path.name}: the suffix "{path.suffix}"',
-            f"a record is one of {', '.join(FORMATS)}",
+            f"a record is {ONE_OF}",
             f"rename it to {near[0]} if it is one" if near else "export the record in one of these formats",
         )
     return FORMATS[suffix]
@@ -98,9 +100,7 @@ def read_file(path: Path) -> AnyRecording:
 
 def _check_there(path: Path, form: Format) -> None:
     if not path.is_file():
-        raise InputError(
-            f"{path}: there is no such file", f"a record is a file, one of {', '.join(FORMATS)}", "check the path"
-        )
+        raise InputError(f"{path}: there is no such file", f"a record is a file, {ONE_OF}", "check the path")
     if path.stat().st_size == 0:
         raise InputError(f"{path.name}: the file is empty", f"it should hold {form.HOLDS}", "export the record again")
 

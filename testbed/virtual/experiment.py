@@ -10,7 +10,7 @@ from pydantic import Field, ValidationError
 from models.errors import InputError
 from models.excitations import Lines
 from models.rig import EffectEntry, NonNegative, Part, Positive
-from models.rig_file import RECORDS
+from models.rig_file import RECORDS, not_toml
 
 Count = Annotated[int, Field(ge=1, strict=True)]
 
@@ -198,11 +198,7 @@ def _content(path: Path) -> dict[str, Any]:
             "save it from a text editor with that encoding",
         ) from error
     except tomllib.TOMLDecodeError as error:
-        raise InputError(
-            f"{path.name}: {error}",
-            "an experiment is valid TOML",
-            "correct that line; decimals take a point, texts stand in quotes, and numbers have no unit",
-        ) from error
+        raise not_toml(path.name, "an experiment", error, "numbers have no unit") from error
 
 
 def _check_band(experiment: Experiment, file: str) -> None:

@@ -80,6 +80,7 @@ def test_every_kind_and_key_stands_in_the_docs():
         ),
         ('fs = 256.0\n[excitation]\nkind = "sweep"', r"excitation.high = 300 Hz at .*; set a lower high, or raise fs"),
         ("fs = = 3", r"test.toml: .*; an experiment is valid TOML; correct that line; decimals take a point, texts"),
+        ("fs = [", r"test.toml: .*; an experiment is valid TOML; see what was opened last and not closed: a bracket"),
         (
             '[exitation]\nkind = "sweep"',
             r"test.toml: exitation is unknown; the keys here .*; did you mean excitation\?",
