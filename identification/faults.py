@@ -200,25 +200,36 @@ def _without_fault(target: TimeTarget, fault: Place) -> TimeTarget:
 
 def _left_in(window: Evaluator, there: Fit, alone: Sequence[Place], pairs: Sequence[Place]) -> dict[Place, float]:
     """The same with the numbers fitted on the beginning of the records; of the pairs only those that slopes promise."""
-    promised = [_left_beside(window, ground, pairs) for ground in _grounds(window, there)]
+    grounds = list(_grounds(window, there))
+    promised = [_left_beside(window, ground, pairs) for ground in grounds]
     least = {pair: min((row[pair] for row in promised), default=1.0) for pair in pairs}
     promising = [pair for pair in sorted(pairs, key=least.__getitem__)[:MOST_PAIRS] if least[pair] < PROMISED]
     faults = [Place(), *alone, *promising]
-    whole, *left = in_parallel(window.jobs, partial(_excess_without, window.with_jobs(1), there), faults)
+    whole, *left = in_parallel(window.jobs, partial(_excess_without, window.with_jobs(1), grounds), faults)
     return {fault: each / whole if whole > 0.0 else 1.0 for fault, each in zip(faults[1:], left, strict=True)}
 
 
-def _excess_without(window: Evaluator, there: Fit, fault: Place) -> float:
+def _excess_without(window: Evaluator, grounds: Sequence[Fit], fault: Place) -> float:
+    """Chi-square beyond the noise that the rig's numbers leave, as given or as calibrated, whichever is less.
+
+    A fault changes no motion, so that each fit begins with the slopes that all share.
+    """
     mended = [_without_fault(target, fault) for target in window.timed]
-    return _excess(window.with_targets([target for target in mended if target.record.sensors]), there)
-
-
-def _excess(evaluator: Evaluator, base: Fit) -> float:
-    """Chi-square beyond the noise that the rig's numbers leave, as given or as calibrated, whichever is less."""
-    unknowns, least = concerning(base, evaluator), float("inf")
-    for start in _starts(base):
+    heard = window.with_targets([target for target in mended if target.record.sensors])
+    least = float("inf")
+    for ground in grounds:
+        unknowns = concerning(ground, heard)
+        slopes = _mended(window, ground, fault).jacobian[[ground.unknowns.index(unknown) for unknown in unknowns]]
         try:
-            found = fit(evaluator, start, unknowns, max_iterations=ITERATIONS, tolerance=TOLERANCE)
+            found = fit(
+                heard,
+                ground.hypothesis,
+                unknowns,
+                max_iterations=ITERATIONS,
+                jacobian=slopes,
+                formed=True,
+                tolerance=TOLERANCE,
+            )
         except ArithmeticError:
             continue
         least = min(least, found.cost - found.n_data)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 from identification.calibrate import beginning, calibrate, pulled, set_in_motion
 from identification.detail import in_more_detail
@@ -18,6 +19,7 @@ from identification.in_its_place import (
     with_others_there,
 )
 from identification.in_step import tried_with
+from identification.last_answer import LastAnswer
 from identification.look import View, afar, beside
 from identification.noise_left import NOISE_NEAR
 from identification.onset import of_whole
@@ -55,7 +57,8 @@ def judge(
 
     Args:
         views: what to look for suspects in; kinds that act over the length of a record in one of their own, which is
-            looked at last where another kind reaches the noise without them, and not at all where it does everywhere.
+            looked at last where another kind reaches the noise without them, in its view or refitted, and not at all
+            where it does everywhere.
         fitting: records to refit on.
         base: the calibrated model on those.
         progress: told what is being done.
@@ -65,7 +68,7 @@ def judge(
     lasting = [view for view in views if view.is_lasting]
     late = instant is not None and instant.is_late  # where a drift has come to look like a step
     kinds = {} if instant is None else instant.registry
-    ranked: list[Ranked] = []
+    ranked, refits = list[Ranked](), LastAnswer[Fit | None]()
     looks = looks_from(base) if instant is None or not instant.is_unbent else [beside, afar]
     for number, look in enumerate(looks):
         if number > 0:
@@ -77,16 +80,31 @@ def judge(
             sketches = [_of_whole(sketch, fitting) for sketch in found]
         else:
             sketches = [] if instant is None else look(instant, base, progress)
-        met = not late and any(sketch.fit.ratio < REACHED < base.ratio for sketch in sketches)
+        met = not late and _is_met(sketches, fitting, base, refits)
         if lasting and (number > 0 or not met):
             sketches += [sketch for view in lasting for sketch in beside(view, base, progress)]
             lasting = []
-        ranked = _first_in_detail(_weighed(ranked, sketches, fitting, base, kinds, progress), fitting, progress)
+        rows = _weighed(ranked, sketches, fitting, base, kinds, progress, refits)
+        ranked = _first_in_detail(rows, fitting, progress)
         if ranked and (ranked[0].fit.ratio < EXPLAINED or is_noise(ranked[0].fit)):
             return ranked
     # What reached the noise in the seconds of its view does not in all that is fitted.
     sketches = [sketch for view in lasting for sketch in beside(view, base, progress)]
-    return _weighed(ranked, sketches, fitting, base, kinds, progress) if sketches else ranked
+    return _weighed(ranked, sketches, fitting, base, kinds, progress, refits) if sketches else ranked
+
+
+def _is_met(sketches: Sequence[Sketch], fitting: Evaluator, base: Fit, refits: LastAnswer[Fit | None]) -> bool:
+    """Whether a suspect reaches the noise that the calibrated model does not: in its sketch, or the best one refitted.
+
+    A few steps on the beginning of the records leave numbers of the rig where they are wrong, and with them a misfit.
+    """
+    if base.ratio <= REACHED or not sketches:
+        return False
+    if any(sketch.fit.ratio < REACHED for sketch in sketches):
+        return True
+    best = sketches[0].fit.hypothesis
+    refitted = refits.about(best, ask=partial(refit_sketched, fitting, base, best))
+    return refitted is not None and refitted.ratio < REACHED
 
 
 def _weighed(
@@ -96,9 +114,10 @@ def _weighed(
     base: Fit,
     kinds: Registry,
     progress: Progress,
+    refits: LastAnswer[Fit | None],
 ) -> list[Ranked]:
     """What was refitted before and the best of these sketches, refitted, the one with the most evidence first."""
-    more = finals(sketches, fitting, base, kinds, progress, known=known)
+    more = finals(sketches, fitting, base, kinds, progress, known=known, refits=refits)
     return settled_apart(fitting, ranked_together(known, more), progress) if known else more
 
 
@@ -140,6 +159,7 @@ def finals(
     registry: Registry,
     progress: Progress,
     known: Sequence[Ranked] = (),
+    refits: LastAnswer[Fit | None] | None = None,
 ) -> list[Ranked]:
     """The best sketches refitted, but for those that plainly stay above the noise that another has reached.
 
@@ -150,12 +170,13 @@ def finals(
         registry: kinds to try where the first of them has come to.
         progress: told what is being done.
         known: refitted before; what is like one of them is not refitted again.
+        refits: the last one, which may be of one of these sketches.
     """
     lasting = [sketch for sketch in sketches if sketch.effect.family == "time"]
     instant = [sketch for sketch in sketches if sketch.effect.family != "time"]
     best = by_share([*_best(instant, FINALISTS), *_best(lasting, LASTING_FINALISTS)])
     finalists = [sketch for sketch in best if not any(is_alike(sketch.fit, row.fit) for row in known)]
-    ranked: list[Ranked] = []
+    ranked, refits = list[Ranked](), refits or LastAnswer[Fit | None]()
     beaten: list[tuple[Fit, float]] = []
     leader: tuple[Sketch, Leader] | None = None
     for sketch in finalists:
@@ -171,7 +192,7 @@ def finals(
             if first is None or farther > RULED_OUT:
                 continue
             found = first.hypothesis
-        result = refit_sketched(fitting, base, found)
+        result = refits.about(found, ask=partial(refit_sketched, fitting, base, found))
         if result is not None:
             effect = result.hypothesis.effects[-1]
             progress(f"{effect.label()} leaves {result.ratio:.2f} times the noise, {base.ratio:.2f} without it")

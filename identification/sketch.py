@@ -7,7 +7,9 @@ numbers are from the truth. So many suspects are fitted on very little, the best
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import islice
 from math import inf
+from operator import attrgetter
 
 from identification.calibrate import beginning, concerning
 from identification.evaluate import Evaluator
@@ -341,11 +343,14 @@ def sketched_from_calibrated(
     whole = [(alone, ground.hypothesis, Projection(ground)) for ground in grounds]
     short = [(windows[0], given, Projection(shorter[0]))] if windows else []
     begun = in_parallel(evaluator.jobs, partial(_begun, whole, short, windows, shorter), suspects)
-    together = partial(_together, alone, there.unknowns, grounds[0].jacobian, iterations)
+    together = partial(_together, alone, grounds[0].jacobian, iterations)
 
     def sketches_from(starts: Sequence[Sequence[Hypothesis]]) -> list[Sketch]:
-        found = zip(in_parallel(evaluator.jobs, together, starts), starts, strict=True)
-        return [Sketch(there, best, there_begun[0].effects[-1]) for best, there_begun in found if best]
+        unknowns = [(*there.unknowns, *own_unknowns(each[0])) for each in starts]
+        all_starts = [(start, moved) for each, moved in zip(starts, unknowns, strict=True) for start in each]
+        found = iter(in_parallel(evaluator.jobs, together, all_starts))
+        fits = [([one for one in islice(found, len(each)) if one], each[0].effects[-1]) for each in starts]
+        return [Sketch(there, min(ended, key=attrgetter("cost")), begun) for ended, begun in fits if ended]
 
     sketches = sketches_from(begun)
     others = rivals(evaluator, there, by_share(sketches), registry)[:MOST_LONG_RIVALS]
@@ -372,16 +377,11 @@ def _begun(
 
 
 def _together(
-    evaluator: Evaluator,
-    shared: tuple[Unknown, ...],
-    slopes: FloatArray,
-    iterations: int,
-    starts: Sequence[Hypothesis],
+    evaluator: Evaluator, slopes: FloatArray, iterations: int, begun: tuple[Hypothesis, tuple[Unknown, ...]]
 ) -> Fit | None:
-    """The best fit from some starts of one suspect, with all unknowns at once; None where all diverge."""
-    unknowns = (*shared, *own_unknowns(starts[0]))
-    fits = [found for start in starts if (found := _tried(evaluator, start, unknowns, iterations, slopes))]
-    return min(fits, key=lambda found: found.cost, default=None)
+    """The fit from a start with all its unknowns at once; None where it diverges."""
+    start, unknowns = begun
+    return _tried(evaluator, start, unknowns, iterations, slopes)
 
 
 def _best_size(evaluator: Evaluator, model: Hypothesis, projection: Projection, sizes: Sequence[Effect]) -> Hypothesis:

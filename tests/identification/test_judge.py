@@ -199,7 +199,8 @@ def test_those_that_fit_nearly_alike_are_fitted_to_the_end(refits, monkeypatch):
     ("left", "is_late", "refitted", "looked_at"),
     [
         (1.05, False, 1.0, [False]),
-        (2.0, False, 1.0, [False, True]),
+        (2.0, False, 1.0, [False]),
+        (2.0, False, 1.2, [False, True]),
         (1.05, True, 1.0, [False, True]),
         (1.05, False, 1.5, [False, True]),
     ],
@@ -215,16 +216,33 @@ def test_kinds_in_time_are_looked_at_where_no_other_reaches_the_noise(monkeypatc
         asked.append(view.is_lasting)
         return [Sketch(far, fit_of(MASS, 1000.0 * left**2), MASS)]
 
-    def settled(sketches, fitting, base, registry, progress, known):
+    def settled(sketches, fitting, base, registry, progress, known, refits):
         return [] if known else [Ranked(MASS, fit_of(MASS, 1000.0 * refitted**2), refitted=True, log_evidence=0.0)]
 
     monkeypatch.setattr(judging, "beside", beside)
+    monkeypatch.setattr(judging, "refit_sketched", lambda *_: fit_of(MASS, 1000.0 * refitted**2))
     monkeypatch.setattr(judging, "finals", settled)
     views = [View(None, far, {"point_mass": PointMass}, is_late=is_late), View(None, far, {"wear": Wear})]
 
     judge(views, SimpleNamespace(targets=()), far, lambda _: None)
 
     assert asked == looked_at
+
+
+def test_the_refit_that_shows_that_the_noise_is_reached_is_not_made_again(refits, monkeypatch):
+    ratios, asked = refits
+    ratios.update(point_mass=1.0, point_damping=1.0)
+    others = PointDamping(HERE, damping=1.0)
+    monkeypatch.setattr(judging, "beside", lambda *_: [sketch(MASS, 0.9), sketch(others, 0.89)])
+    evaluator, far = (
+        evaluator_of(measured(Hypothesis(REFERENCE), multisine(512))),
+        replace(BASE, chi2=4.0 * BASE.n_data),
+    )
+
+    judge([View(None, far, {}), View(None, far, {"wear": Wear})], evaluator, far, lambda _: None)
+
+    assert asked.count("point_mass") == 1
+    assert "point_damping" in asked
 
 
 @pytest.mark.parametrize(("is_unbent", "order"), [(False, ["afar", "beside"]), (True, ["beside", "afar"])])
@@ -237,6 +255,7 @@ def test_a_model_that_a_fault_has_not_bent_is_looked_beside_first(monkeypatch, i
     monkeypatch.setattr(judging, "beside", look("beside"))
     monkeypatch.setattr(judging, "afar", look("afar"))
     monkeypatch.setattr(judging, "finals", lambda *_, **__: [])
+    monkeypatch.setattr(judging, "refit_sketched", lambda *_: None)
 
     judge([View(None, far, {}, is_unbent=is_unbent)], SimpleNamespace(targets=()), far, lambda _: None)
 

@@ -33,14 +33,16 @@ def found(clearance, chi2=float(N)):
 
 @pytest.fixture
 def fitted(monkeypatch):
-    """What a fit from the other place ends with, by the chi-square asked for; and where it began."""
+    """What a fit from the other place ends with, by the chi-square asked for; and where looks and fits began."""
     begun = []
 
-    def ending_with(chi2):
-        def fit(evaluator, start, unknowns, *, precise, like):
-            assert precise
+    def ending_with(chi2, of_look=None):
+        def fit(evaluator, start, unknowns, *, precise=False, **how):
+            assert precise or how["keep"]
             begun.append(coordinates(start, unknowns))
-            return replace(found(0.0, chi2), hypothesis=start)
+            ended = found(0.0, chi2 if precise or of_look is None else of_look)
+            slopes = ended.jacobian[: len(unknowns)]
+            return replace(ended, hypothesis=start, unknowns=tuple(unknowns), jacobian=slopes)
 
         monkeypatch.setattr(room, "fit", fit)
         return begun
@@ -64,12 +66,20 @@ def test_a_far_number_comes_back_with_what_is_known_together_with_it(fitted):
 
 
 def test_what_the_records_hold_there_stays(fitted):
-    fitted(N + 20.0 * misfit_of(found(-3.0)))
+    begun = fitted(N + 20.0 * misfit_of(found(-3.0)), of_look=N)
     far = found(-3.0)
     assert unstrained(None, far) is far
+    assert len(begun) == 2
 
 
-@pytest.mark.parametrize(("far", "tried"), [(-2.9, 0), (-3.1, 1)])
+def test_a_look_that_promises_nothing_likelier_is_not_followed(fitted):
+    begun = fitted(N, of_look=N + 20.0 * misfit_of(found(-3.0)))
+    far = found(-3.0)
+    assert unstrained(None, far) is far
+    assert len(begun) == 1
+
+
+@pytest.mark.parametrize(("far", "tried"), [(-2.9, 0), (-3.1, 2)])
 def test_of_a_calibration_without_effects_only_what_was_pulled_is_tried_elsewhere(fitted, far, tried):
     begun = fitted(N)
     whole = found(far)
