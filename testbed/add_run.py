@@ -100,9 +100,11 @@ def check_effect(rig_path: Path, kind: str, settings: Mapping[str, Any]) -> None
 
 
 def _check_place(rig: Rig, kind: str, settings: Mapping[str, Any]) -> None:
-    """Refuse a kind that sits somewhere and was told no place, in the words of the command's options."""
-    places = EFFECTS[kind].places if kind in EFFECTS and rig.structure.kind == "beam" else ()
-    if not places or set(settings) & {"sleeve", "position", "sensor", "other"}:
+    """Refuse a kind that was told no place of its own, in the words of the command's options."""
+    if kind not in EFFECTS or rig.structure.kind != "beam":
+        return
+    places, given = EFFECTS[kind].places, [f"--{key}" for key in PLACED if key in settings]
+    if given in [OPTIONS_OF[place] for place in places] or not (places or given):
         return
     sleeves, sensors = (", ".join(part.name for part in parts) for parts in (rig.sleeves, rig.sensors))
     ways = {
@@ -112,10 +114,22 @@ def _check_place(rig: Rig, kind: str, settings: Mapping[str, Any]) -> None:
         "sensor pair": f"--sensor NAME --other NAME: {sensors}",
     }
     raise InputError(
-        f"{kind} without a place",
-        f"it sits at one {' or '.join(places)}",
-        f"give {', or '.join(ways[place] for place in places)}",
+        f"{kind} with {' and '.join(given)}" if given else f"{kind} without a place",
+        f"it sits at one {' or '.join(places)}" if places else "it has no place",
+        f"give {', or '.join(ways[place] for place in places)}" if places else f"leave {' and '.join(given)} out",
     )
+
+
+PLACED = ("sleeve", "position", "sensor", "other")
+"""Options that say where an effect sits."""
+
+OPTIONS_OF = {
+    "sleeve": ["--sleeve"],
+    "position": ["--position"],
+    "sensor": ["--sensor"],
+    "sensor pair": ["--sensor", "--other"],
+}
+"""Those of each place."""
 
 
 def _entry(kind: str, settings: Mapping[str, Any]) -> EffectEntry:

@@ -37,11 +37,7 @@ def build_effect(
         table = f"effects[{rig.effects.index(entry)}]" if entry in rig.effects else "new effect"
     cls = registry.get(entry.kind)
     if cls is None:
-        raise InputError(
-            f'{table}.kind = "{entry.kind}"',
-            f"the library has {', '.join(sorted(registry))}",
-            _nearest(entry.kind, registry) or "choose one of them",
-        )
+        raise _unknown(f'{table}.kind = "{entry.kind}"', entry.kind, registry)
     if rig.structure.kind not in cls.structures:
         raise InputError(
             f'{table}.kind = "{entry.kind}" on structure.kind = "{rig.structure.kind}"',
@@ -67,6 +63,16 @@ def entry_of(effect: Effect) -> EffectEntry:
 
 def _without_none(table: Mapping[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in table.items() if value is not None}
+
+
+def _unknown(given: str, kind: str, registry: Mapping[str, type[Effect]]) -> InputError:
+    """The nearest kind, or all where none is near: among so many names one that stands last is not found."""
+    near = get_close_matches(kind, registry, n=1)
+    if near:
+        return InputError(
+            given, f'the nearest of the library\'s {len(registry)} kinds is "{near[0]}"', "write that one"
+        )
+    return InputError(given, f"the library has {', '.join(sorted(registry))}", "choose one of them")
 
 
 def _nearest(word: str, known: Mapping[str, Any]) -> str:

@@ -18,7 +18,7 @@ from testbed.figures.save import save
 from testbed.history import UPDATED
 from testbed.identify.record import Decays, decays_of
 from testbed.identify.scalogram import scalogram_of
-from testbed.identify.sleeve import SleeveDamping, sleeve_damping, sleeve_findings, write_updated
+from testbed.identify.sleeve import SleeveDamping, check_sleeve, sleeve_damping, sleeve_findings, write_updated
 from testbed.identify.words import findings_of
 from testbed.outputs import Json, json_text, staged
 from testbed.quantities import unit_of
@@ -90,6 +90,8 @@ def run_identification(order: Order, settings: Settings, out: Path, *, progress:
         begin=order.begin,
         end=order.end,
     )
+    if rig is not None and order.sleeve is not None:
+        check_sleeve(rig, order.sleeve, decays.channels.fs)
     with in_file(decays.channels.name):
         found = identify(decays.signals, decays.starts, decays.channels.fs, decays.kick_signs, settings, progress)
     content = identification_json(found, decays, settings, order.mass)

@@ -109,8 +109,12 @@ def test_an_effect_without_numbers_has_a_row_in_the_diagnosis(capsys):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["squeeze_film", "--position", "1.0"], "squeeze_film takes one sleeve; give sleeve"),
-        (["squeeze_fil", "--sleeve", "sleeve 2"], 'kind = "squeeze_fil"; the library has '),
+        (
+            ["squeeze_film", "--position", "1.0"],
+            "squeeze_film with --position; it sits at one sleeve; give --sleeve NAME: sleeve 1, sleeve 2",
+        ),
+        (["youngs_modulus", "--position", "1.0"], "with --position; it has no place; leave --position out"),
+        (["squeeze_fil", "--sleeve", "sleeve 2"], 'kinds is "squeeze_film"; write that one'),
         (["squeeze_film", "--sleeve", "sleeve 3"], 'the rig\'s sleeves are "sleeve 1", "sleeve 2"'),
         (["squeeze_film", "--sleeve", "sleeve 2", "--against", "ground"], "squeeze_film has damping"),
         (["point_mass", "--position", "-1"], "new effect.position = -1.0 m; an effect's position is above 0; measure"),
