@@ -567,7 +567,7 @@ REPORTED = CaseSet(
             turned=3,
         ),
         61703: Batch(
-            "e298d85",
+            "75f2f4b",
             run="Two threads, one case at a time with the machine to itself, whose speed others on its host change.",
             first_kind="youngs_modulus",
             first_law="relaxing_spring",
