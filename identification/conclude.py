@@ -149,6 +149,7 @@ def concluded(
         located=located,
         kept_aside=bool(kept.scores),
         missed=tuple(kept.missed),
+        error=stages[-1].score.nrmse,
     )
     return Diagnosis(
         verdict=verdict,

@@ -6,13 +6,17 @@ import numpy as np
 from numba import njit
 
 from models.arrays import FloatArray
+from models.compiled import noticing
+from models.contact_forces import internal_state, normal_force, on_structure, penetration_of
 from models.law import law_address
 from models.law_call import call_law
 from models.ports import Contact, PointLaw
 from models.rest import is_bilateral
-from models.stepping import internal_state, normal_force, on_structure, penetration_of
 
 OPTIONS: dict[str, Any] = {"nogil": True, "cache": True}
+
+BUILT_IN = "../models/contact_forces.py", "../models/law_call.py"
+"""Files of which the code of these kernels holds some."""
 
 
 def law_along(law: PointLaw, q: FloatArray, v: FloatArray, fs: float) -> FloatArray:
@@ -42,6 +46,7 @@ def contact_along(contact: Contact, q: FloatArray, v: FloatArray, fs: float) -> 
     return np.asarray(_contact_along(law, values, np.array([gap]), q, v, 1.0 / fs))
 
 
+@noticing(*BUILT_IN)
 @njit(**OPTIONS)
 def _law_along(law: int, rate: int, values: FloatArray, q: FloatArray, v: FloatArray, h: float) -> FloatArray:
     force = np.empty(len(q))
@@ -53,6 +58,7 @@ def _law_along(law: int, rate: int, values: FloatArray, q: FloatArray, v: FloatA
     return force
 
 
+@noticing(*BUILT_IN)
 @njit(**OPTIONS)
 def _contact_along(law: int, values: FloatArray, gap: FloatArray, q: FloatArray, v: FloatArray, h: float) -> FloatArray:
     force = np.empty(len(q))

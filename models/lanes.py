@@ -20,7 +20,7 @@ LANES, EIGHT, FOUR = 16, 8, 4
 """Numbers in the vectors that ``lanes``, ``eight`` and ``four`` read; arrays are padded to hold whole ones."""
 
 FAST = ("contract", "reassoc", "nsz", "arcp")
-"""As in ``stepping.OPTIONS``: a product and a sum may become one operation, and sums be formed in any order."""
+"""As in ``step_options.OPTIONS``: a product and a sum may become one operation, and sums be formed in any order."""
 
 ALIGNMENT = 8
 """Bytes: a vector may begin at any number of an array."""

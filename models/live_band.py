@@ -14,7 +14,7 @@ from scipy.signal.windows import tukey
 
 from models.arrays import ComplexArray, FloatArray
 from models.band_limit import PAD, STOP_EDGE, recorder_gain
-from models.stepping import OPTIONS
+from models.step_options import OPTIONS
 
 FORCE_REACH = 32
 """Samples on either side of an instant from which the force there is formed."""

@@ -6,21 +6,39 @@ given is the straight line with the same impulse and the same first moment. The 
 depends, is found by Newton's iteration at the few ports. docs/theory.md, section 5.
 """
 
-from math import sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
 from models.arrays import FloatArray, IntArray
 from models.compiled import noticing
+from models.contact_forces import (
+    FINITE,
+    MAX_ITERATIONS,
+    SLOPE_NUDGE,
+    contact_step,
+    internal_state,
+    law_step,
+    normal_force,
+    on_structure,
+    penetration_of,
+    steady_force,
+)
 from models.lanes import EIGHT, FOUR, LANES, at, chosen, digits, eight, four, four_of, lanes, put, total
 from models.law_call import call_law
-
-MAX_ITERATIONS = 60
-SLOPE_NUDGE = 1e-6
-INTERNAL_TOLERANCE = 1e-12
-"""Fault of an internal state, which is of the order of 1, that ends its iteration."""
+from models.step_options import INLINE, OPTIONS
+from models.straight_contacts import (
+    forces_of,
+    holding,
+    inverses_of,
+    joined_of,
+    met_together,
+    put_where,
+    side_by_side,
+    stays_out,
+    weighed,
+)
 
 LAST_OLD_SLOPE = 1
 """Iterations that use the slope of an earlier step before it is formed anew."""
@@ -33,12 +51,6 @@ which a friction that sticks would turn about from step to step without end."""
 GIVEN_UP = 30
 """Iterations after which such a law is taken so for this one step, steep or not."""
 
-ROUNDED = 1e-14
-"""Of a force times its slope: a fault as small is rounding."""
-
-ROOT_ROUNDING = 1e-8
-"""Last change of a fraction that Newton's method finds: the next is its square."""
-
 CONVERGING = 0.1
 """Of the tolerance, below which the next change is not waited for: as it goes on from the last two, it is their ratio
 times the last. Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, section IV.8."""
@@ -46,25 +58,8 @@ times the last. Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equa
 NO_DIGIT = 62
 """Of a set in binary digits, for what is in none."""
 
-MOST_JOINED = FOUR
-"""Straight contacts that are solved for together: each set of them that may be closed has its own inverse matrix."""
-
 LEAST_DETERMINANT, LARGEST_DETERMINANT = 0.1, 1e6
 """Of Newton's 2 x 2 equations; others are met only where a difference straddles the gap's edge."""
-
-FINITE = 1e30
-"""Beyond it a motion counts as lost."""
-
-OPTIONS: dict[str, Any] = {
-    "nogil": True,
-    "cache": True,
-    "error_model": "numpy",
-    "fastmath": {"contract", "reassoc", "nsz", "arcp"},
-}
-"""A division by nothing gives no number, which counts as a motion that is lost."""
-
-INLINE: dict[str, Any] = {**OPTIONS, "forceinline": True}
-"""For what runs in every step: a call that hands over arrays would cost more than the arithmetic."""
 
 
 class Reading(NamedTuple):
@@ -164,326 +159,6 @@ class Memory(NamedTuple):
         )
 
 
-@njit(**INLINE)
-def pressed(clearance: Any, offset: Any, growth: Any, t: float, side: Any, q: Any, v: Any) -> tuple[Any, Any]:
-    """(p, dp/dt) at q, v of a contact against the wall on this side, or of several side by side."""
-    return side * (q - offset) - clearance - growth * t, side * v - growth
-
-
-@njit(**INLINE)
-def penetration_of(contact: FloatArray, j: int, t: float, q: float, v: float) -> tuple[float, float, float]:
-    """(p, dp/dt, side) of row j of ``Items.contact`` at q, v."""
-    side = 1.0 if q - contact[j, 1] >= 0.0 else -1.0
-    p, rate = pressed(contact[j, 0], contact[j, 1], contact[j, 2], t, side, q, v)
-    return p, rate, side
-
-
-@njit(**OPTIONS)
-def part_step(start: float, end: float, first: float, middle: float, last: float) -> tuple[float, float]:
-    """Weights (a, b) of the straight line over the step with the impulse and first moment of a force on a part.
-
-    The force runs as a parabola from ``first`` at the fraction ``start`` over ``middle`` to ``last`` at ``end``; where
-    it would pull, it is 0.
-    """
-    if first <= 0.0 and last <= 0.0:
-        return 0.0, 0.0
-    if middle < 0.0:
-        middle = 0.5 * (first + last)
-    if first < 0.0 or last < 0.0:
-        slope, bend = 4.0 * middle - 3.0 * first - last, 2.0 * (first + last) - 4.0 * middle
-        root = sqrt(slope * slope - 4.0 * bend * first)
-        if first < 0.0:
-            cut = -2.0 * first / (slope + root)
-            s = 0.5 * (cut + 1.0)
-            middle = first + s * (slope + s * bend)
-            start, first = start + (end - start) * cut, 0.0
-        else:
-            cut = 2.0 * first / (root - slope)
-            s = 0.5 * cut
-            middle = first + s * (slope + s * bend)
-            end, last = start + (end - start) * cut, 0.0
-    width = end - start
-    impulse = width * (first + 4.0 * middle + last) / 6.0
-    moment = start * impulse + width * width * (middle / 3.0 + last / 6.0)
-    return 4.0 * impulse - 6.0 * moment, 6.0 * moment - 2.0 * impulse
-
-
-@njit(**INLINE)
-def halfway(h: float, x0: float, v0: float, x1: float, v1: float) -> tuple[float, float]:
-    """Place and velocity halfway through a time h, by the cubic through both at its ends."""
-    return 0.5 * (x0 + x1) + 0.125 * h * (v0 - v1), 1.5 * (x1 - x0) / h - 0.25 * (v0 + v1)
-
-
-@njit(**OPTIONS)
-def crossing(p0: float, r0: float, p1: float, r1: float) -> tuple[float, float]:
-    """Fraction of the step where the cubic through (p0, slope r0) and (p1, slope r1) passes 0, and its slope there."""
-    s = p0 / (p0 - p1)
-    c2, c3 = 3.0 * (p1 - p0) - 2.0 * r0 - r1, 2.0 * (p0 - p1) + r0 + r1
-    for _ in range(4):
-        slope = r0 + s * (2.0 * c2 + 3.0 * s * c3)
-        if slope * (p1 - p0) <= 0.0:
-            break
-        before = s
-        s = min(max(s - (p0 + s * (r0 + s * (c2 + s * c3))) / slope, 0.0), 1.0)
-        if abs(s - before) < ROOT_ROUNDING:
-            break
-    return s, r0 + s * (2.0 * c2 + 3.0 * s * c3)
-
-
-@njit(**INLINE)
-def contact_step(
-    law: int, values: FloatArray, offset: int, contact: FloatArray, j: int, t: float, h: float,
-    p0: float, r0: float, side0: float, n0: float, q1: float, v1: float,
-) -> tuple[float, float]:  # fmt: skip
-    """Weights (a, b) of a contact's force on the structure over a step that ends at t with q1, v1.
-
-    The step starts with penetration p0 at rate r0 on side0, and with the normal force n0, not yet kept from pulling.
-    """
-    p1, r1, side1 = penetration_of(contact, j, t, q1, v1)
-    if contact[j, 3] > 0.0:
-        first, last = side0 * n0, side1 * call_law(law, t, p1, r1, 0.0, values, offset)
-        p, rate = halfway(h, side0 * p0, side0 * r0, side1 * p1, side1 * r1)
-        side = 1.0 if p >= 0.0 else -1.0
-        middle = side * call_law(law, t - 0.5 * h, side * p, side * rate, 0.0, values, offset)
-        rise = (middle - 0.5 * (first + last)) / 1.5
-        return -first - rise, -last - rise
-    if p0 <= 0.0 and p1 <= 0.0:
-        return 0.0, 0.0
-    n1 = call_law(law, t, p1, r1, 0.0, values, offset) if p1 > 0.0 else 0.0
-    if side0 != side1:
-        return (-side0 * max(0.0, n0) if p0 > 0.0 else 0.0), (-side1 * max(0.0, n1) if p1 > 0.0 else 0.0)
-    start, end = 0.0, 1.0
-    if p0 <= 0.0:
-        start, slope = crossing(p0, r0 * h, p1, r1 * h)
-        p0, r0 = 0.0, slope / h
-        n0 = call_law(law, t - (1.0 - start) * h, 0.0, r0, 0.0, values, offset)
-    elif p1 <= 0.0:
-        end, slope = crossing(p0, r0 * h, p1, r1 * h)
-        p1, r1 = 0.0, slope / h
-        n1 = call_law(law, t - (1.0 - end) * h, 0.0, r1, 0.0, values, offset)
-    if end <= start:
-        return 0.0, 0.0
-    p, rate = halfway((end - start) * h, p0, r0, p1, r1)
-    middle = call_law(law, t - (1.0 - 0.5 * (start + end)) * h, p, rate, 0.0, values, offset)
-    a, b = part_step(start, end, n0, middle, n1)
-    return -side0 * a, -side0 * b
-
-
-@njit(**INLINE)
-def law_step(
-    law: int, values: FloatArray, offset: int, t: float, h: float,
-    q0: float, v0: float, force: float, q1: float, v1: float,
-) -> tuple[float, float]:  # fmt: skip
-    """Weights (a, b) of the force of a law without internal state, from ``force`` at the start of a step to t."""
-    last = call_law(law, t, q1, v1, 0.0, values, offset)
-    q, v = halfway(h, q0, v0, q1, v1)
-    rise = (call_law(law, t - 0.5 * h, q, v, 0.0, values, offset) - 0.5 * (force + last)) / 1.5
-    return force + rise, last + rise
-
-
-class Straight(NamedTuple):
-    """Contacts whose normal force is k p + c dp/dt, side by side; what is not there of four is 0.
-
-    Attributes:
-        k, c: N/m and N s/m.
-        clearance, offset, growth: m, m and m/s.
-        is_bilateral: it holds from either side, and may pull.
-        is_unilateral: it is there and does not.
-    """
-
-    k: Any
-    c: Any
-    clearance: Any
-    offset: Any
-    growth: Any
-    is_bilateral: Any
-    is_unilateral: Any
-
-
-class Weighed(NamedTuple):
-    """Straight contacts at one end of a step.
-
-    Attributes:
-        p, rate: penetration and its rate.
-        side: of the wall, 1 or -1.
-        normal: force before it is kept from pulling; 0 where it is open.
-    """
-
-    p: Any
-    rate: Any
-    side: Any
-    normal: Any
-
-
-@njit(**INLINE)
-def straight_step(contacts: Straight, t: float, h: float, start: Weighed, q1: Any, v1: Any) -> tuple[Any, ...]:
-    """Weights (a, b) of straight contacts that are closed all through a step to t, which ends with q1, v1.
-
-    They are straight in q1 and v1, whether or not the contacts are closed there.
-
-    Returns:
-        the weights, penetration at the end, and the forces halfway and at the end: closed where none is below 0.
-    """
-    p1, rate1 = pressed(contacts.clearance, contacts.offset, contacts.growth, t, start.side, q1, v1)
-    p, rate = halfway(h, start.p, start.rate, p1, rate1)
-    middle, last = contacts.k * p + contacts.c * rate, contacts.k * p1 + contacts.c * rate1
-    a, b = (2.0 * (start.normal + middle) - last) / -3.0, (2.0 * (middle + last) - start.normal) / -3.0
-    return start.side * a, start.side * b, p1, middle, last
-
-
-@njit(**INLINE)
-def weighed(contacts: Straight, t: float, q: Any, v: Any) -> Weighed:
-    """Straight contacts at q, v."""
-    side = chosen(q - contacts.offset >= 0.0, 1.0, -1.0)
-    p, rate = pressed(contacts.clearance, contacts.offset, contacts.growth, t, side, q, v)
-    normal = chosen(contacts.is_bilateral | (p > 0.0), contacts.k * p + contacts.c * rate, 0.0)
-    return Weighed(p, rate, side, normal)
-
-
-@njit(**INLINE)
-def forces_of(contacts: Straight, end: Weighed) -> Any:
-    """Forces of contacts on the structure, kept from pulling unless they are bilateral."""
-    return end.side * chosen(contacts.is_bilateral | (end.normal > 0.0), end.normal, 0.0) * -1.0
-
-
-@njit(**INLINE)
-def holding(contacts: Straight, start: Weighed) -> Any:
-    """Which contacts are closed where a step begins, and would not pull there."""
-    holds = (start.p > 0.0) & (start.normal >= 0.0)
-    return contacts.is_bilateral | contacts.is_unilateral & holds
-
-
-@njit(**INLINE)
-def stays_out(contacts: Straight, start: Weighed, end: Weighed, a: Any, b: Any) -> Any:
-    """Which contacts have no force in a step: open at both its ends, or such that they would pull there."""
-    is_open = (start.p <= 0.0) & (end.p <= 0.0)
-    would_pull = (start.p > 0.0) & (start.normal < 0.0) & (end.normal <= 0.0)
-    return contacts.is_unilateral & (is_open | would_pull) & (a * a + b * b <= 0.0)
-
-
-@njit(**OPTIONS)
-def inverses_of(
-    straight: FloatArray, port: IntArray, h: float,
-    q_start: FloatArray, q_end: FloatArray, v_start: FloatArray, v_end: FloatArray,
-) -> FloatArray:  # fmt: skip
-    """(2^n, 8, 8) inverse matrices of Newton's equations for the weights of n contacts closed throughout.
-
-    The binary digits of the first index tell which of them are closed. Columns, then rows, are the weights ``a`` of
-    four, then their weights ``b``; those of contacts that are not closed, or not there, are 0. Forces that are straight
-    in the motion are met by one step of it.
-
-    Args:
-        straight: (n, 3) as of ``Items``, of the contacts alone.
-        port: (n,) of each.
-        h: s.
-        q_start: (n_ports, n_ports or more) displacement of each port by a unit of ``a`` of the force on one.
-        q_end: the same by a unit of ``b``.
-        v_start: velocity by a unit of ``a``.
-        v_end: velocity by a unit of ``b``.
-    """
-    n = len(straight)
-    whole = np.zeros((2 * n, 2 * n))
-    for s in range(n):
-        k, c = straight[s, 1], straight[s, 2]
-        i = port[s]
-        for r in range(n):
-            m = port[r]
-            for end in range(2):
-                q_by, v_by = (q_end[m, i], v_end[m, i]) if end else (q_start[m, i], v_start[m, i])
-                whole[s, r + n * end] = c / h * q_by - (k * h / 12.0 + 0.5 * c) * v_by
-                whole[s + n, r + n * end] = (k + c / h) * q_by - (k * h / 12.0 - 0.5 * c) * v_by
-    found = np.zeros((1 << n, EIGHT, EIGHT))
-    for closed in range(1, 1 << n):
-        own = np.array([x for x in range(2 * n) if closed >> (x % n) & 1])
-        place = own % n + FOUR * (own // n)
-        part = np.eye(len(own))
-        for x in range(len(own)):
-            for y in range(len(own)):
-                part[x, y] += whole[own[x], own[y]]
-        inverse = np.linalg.inv(part)
-        for x in range(len(own)):
-            for y in range(len(own)):
-                found[closed, place[y], place[x]] = inverse[x, y]
-    return found
-
-
-@njit(**OPTIONS)
-def steady_force(
-    law: int, values: FloatArray, offset: int, t: float, q: float, v: float, q_by: float, v_by: float, force: float,
-    tolerance: float,
-) -> tuple[float, float]:  # fmt: skip
-    """The force of a law that is the same all through a step to t, as the motion at its end asks for, and its slope.
-
-    By Newton's method between the bounds that the faults before have set: one that resists the more, the more it is
-    pushed, is met however steep it is.
-
-    Args:
-        law: address of a force without internal state.
-        values: parameters in a row.
-        offset: where the law's begin.
-        t: at the end of the step, s.
-        q: displacement there under ``force``, m.
-        v: velocity there under ``force``, m/s.
-        q_by: what a unit of force adds to ``q``, m/N.
-        v_by: what a unit of force adds to ``v``, m/(N s).
-        force: to begin with, N.
-        tolerance: fault that ends the iteration, N.
-
-    Returns:
-        the force, N, and how much less the law asks for when it is more by a unit; -1 for that where it was not met.
-    """
-    low, high = -np.inf, np.inf
-    q_free, v_free = q - q_by * force, v - v_by * force
-    for _ in range(MAX_ITERATIONS):
-        unit = tolerance + SLOPE_NUDGE * abs(force)
-        q1, v1 = q_free + q_by * force, v_free + v_by * force
-        asked = call_law(law, t, q1, v1, 0.0, values, offset)
-        slope = (asked - call_law(law, t, q1 + q_by * unit, v1 + v_by * unit, 0.0, values, offset)) / unit
-        fault = asked - force
-        if not abs(slope) < FINITE or slope <= -1.0:
-            break
-        if abs(fault) < max(tolerance, ROUNDED * slope * abs(force)):
-            return force, slope
-        if fault > 0.0:
-            low = force
-        else:
-            high = force
-        force += fault / (1.0 + slope)
-        if not low < force < high:
-            force = 0.5 * (low + high)
-    return force, -1.0
-
-
-@njit(**OPTIONS)
-def internal_state(
-    rate: int, values: FloatArray, offset: int, t: float, h: float,
-    q0: float, v0: float, z0: float, q1: float, v1: float,
-) -> float:  # fmt: skip
-    """Z at the end of a step, reached at t with q1, v1, by the trapezoidal rule, solved by Newton's method."""
-    known = z0 + 0.5 * h * call_law(rate, t - h, q0, v0, z0, values, offset)
-    z = z0
-    for _ in range(MAX_ITERATIONS):
-        fault = z - known - 0.5 * h * call_law(rate, t, q1, v1, z, values, offset)
-        above = call_law(rate, t, q1, v1, z + SLOPE_NUDGE, values, offset)
-        below = call_law(rate, t, q1, v1, z - SLOPE_NUDGE, values, offset)
-        z -= fault / (1.0 - 0.5 * h * min(0.0, (above - below) / (2.0 * SLOPE_NUDGE)))
-        if abs(fault) < INTERNAL_TOLERANCE:
-            break
-    return z
-
-
-@njit(**INLINE)
-def normal_force(law: int, values: FloatArray, offset: int, t: float, p: float, rate: float, bilateral: float) -> float:
-    """Normal force of a contact, not yet kept from pulling; 0 where it is open."""
-    return float(call_law(law, t, p, rate, 0.0, values, offset)) if p > 0.0 or bilateral > 0.0 else 0.0
-
-
-@njit(**INLINE)
-def on_structure(normal: float, side: float, bilateral: float) -> float:
-    """Force of a contact on the structure, kept from pulling unless it is bilateral."""
-    return -side * (normal if bilateral > 0.0 else max(0.0, normal))
-
-
 @njit(**OPTIONS)
 def reached(reading: Reading, pushed: FloatArray) -> FloatArray:
     """(n_ports, n_rows, and some that are 0) what is read after a step in which a unit force pushed a port.
@@ -496,43 +171,6 @@ def reached(reading: Reading, pushed: FloatArray) -> FloatArray:
     motion = np.zeros((len(pushed), max(1, -(-n_rows // EIGHT)) * EIGHT))
     motion[:, :n_rows] = np.dot(np.ascontiguousarray(pushed[:, first : first + width]), reading.rows.T)
     return motion
-
-
-@njit(**OPTIONS)
-def joined_of(straight: FloatArray) -> tuple[int, int]:
-    """The first straight contact, and how many from there on are met together; one that is not so ends the row."""
-    first = 0
-    while first < len(straight) and not is_straight(straight, first):
-        first += 1
-    n = 0
-    while n < MOST_JOINED and first + n < len(straight) and is_straight(straight, first + n):
-        n += 1
-    return first, n
-
-
-@njit(**INLINE)
-def is_straight(straight: FloatArray, j: int) -> bool:
-    """Whether a row of ``Items.straight`` is that of a contact whose numbers are finite."""
-    return bool(straight[j, 0] > 0.0 and np.isfinite(straight[j, 1] + straight[j, 2]))
-
-
-@njit(**INLINE)
-def side_by_side(straight: FloatArray, contact: FloatArray, first: int, n: int) -> Straight:
-    """So many contacts from one on, of rows of ``Items``."""
-    numbers = np.zeros((7, FOUR))
-    for s in range(n):
-        numbers[:2, s], numbers[2:5, s] = straight[first + s, 1:], contact[first + s, :3]
-        numbers[5, s], numbers[6, s] = contact[first + s, 3], 1.0 - contact[first + s, 3]
-    return Straight(
-        four(numbers, (0, 0)), four(numbers, (1, 0)), four(numbers, (2, 0)), four(numbers, (3, 0)),
-        four(numbers, (4, 0)), four(numbers, (5, 0)) > 0.0, four(numbers, (6, 0)) > 0.0,
-    )  # fmt: skip
-
-
-@njit(**INLINE)
-def put_where(mask: Any, array: FloatArray, first: int, numbers: Any) -> None:
-    """Write four numbers to an array from one place on, where a mask says so."""
-    put(array, first, chosen(mask, numbers, four(array, first)))
 
 
 @njit(**INLINE)
@@ -612,72 +250,6 @@ def recorded(columns: FloatArray, state: FloatArray, out: FloatArray, step: int)
     return size < FINITE * FINITE
 
 
-@njit(**INLINE)
-def met_together(
-    contacts: Straight, start: Weighed, closed: int, t: float, h: float, inverses: FloatArray, n_joined: int,
-    port: IntArray, a: FloatArray, b: FloatArray, joined: int, port_a: FloatArray, port_b: FloatArray,
-    q1: FloatArray, v1: FloatArray, q_start: FloatArray, q_end: FloatArray, v_start: FloatArray, v_end: FloatArray,
-    room: FloatArray,
-) -> tuple[int, float]:  # fmt: skip
-    """One linear step to the weights of all contacts in the set ``closed``, changed in place as the motion is.
-
-    Args:
-        contacts: side by side, ``joined`` the first of them among all items.
-        start: where the step begins.
-        closed: in binary digits.
-        t: s, at the end of the step.
-        h: s.
-        inverses: as of ``inverses_of``.
-        n_joined: contacts.
-        port: (4,) of each.
-        a: (n_items + 4,) weights at the start, changed.
-        b: weights at the end, changed.
-        joined: number of the first.
-        port_a: (n_ports,) weights of the ports' forces at the start, changed.
-        port_b: weights at the end, changed.
-        q1: displacements of the ports, changed.
-        v1: velocities, changed.
-        q_start: as of ``reached``, by weights at the start.
-        q_end: by weights at the end.
-        v_start: of velocities by weights at the start.
-        v_end: of velocities by weights at the end.
-        room: (4, 8) to work in.
-
-    Returns:
-        those of the set that are closed all through the step after that: the others must be met by themselves; and the
-        largest change that was asked for, N.
-    """
-    fault_a, fault_b, change_a, change_b = room[0], room[1], room[2], room[3]
-    new_a, new_b, _, _, _ = straight_step(contacts, t, h, start, four_of(q1, port, 0), four_of(v1, port, 0))
-    put(fault_a, 0, new_a - four(a, joined))
-    put(fault_b, 0, new_b - four(b, joined))
-    change = eight(inverses, (closed, 0, 0)) * fault_a[0] + eight(inverses, (closed, FOUR, 0)) * fault_b[0]
-    for s in range(1, n_joined):
-        change = change + eight(inverses, (closed, s, 0)) * fault_a[s]
-        change = change + eight(inverses, (closed, FOUR + s, 0)) * fault_b[s]
-    put(change_a, 0, change)
-    put(change_b, 0, four(change_a, FOUR))
-    put(a, joined, four(a, joined) + four(change_a, 0))
-    put(b, joined, four(b, joined) + four(change_b, 0))
-    largest = 0.0
-    for s in range(n_joined):
-        if closed >> s & 1:
-            port_a[port[s]] += change_a[s]
-            port_b[port[s]] += change_b[s]
-            largest = max(largest, abs(fault_a[s]) + abs(fault_b[s]))
-    for k in range(0, len(q1), EIGHT):
-        q, v = eight(q1, k), eight(v1, k)
-        for s in range(n_joined):
-            i = port[s]
-            q = q + (eight(q_start, (i, k)) * change_a[s] + eight(q_end, (i, k)) * change_b[s])
-            v = v + (eight(v_start, (i, k)) * change_a[s] + eight(v_end, (i, k)) * change_b[s])
-        put(q1, k, q)
-        put(v1, k, v)
-    _, _, p1, middle, last = straight_step(contacts, t, h, start, four_of(q1, port, 0), four_of(v1, port, 0))
-    stays = contacts.is_bilateral | (p1 > 0.0) & (middle >= 0.0) & (last >= 0.0)
-    return closed & digits(stays), largest
-
-
 def march(
     linear: Linear, items: Items, inputs: FloatArray, base: FloatArray, state: FloatArray,
     read: Reading, out: FloatArray, trace: FloatArray, tolerance: float,
@@ -688,7 +260,7 @@ def march(
     return done
 
 
-@noticing("lanes.py", "law_call.py")
+@noticing("contact_forces.py", "lanes.py", "law_call.py", "step_options.py", "straight_contacts.py")
 @njit(**OPTIONS)
 def march_on(  # noqa: C901, PLR0912, PLR0915
     linear: Linear, items: Items, inputs: FloatArray, base: FloatArray, state: FloatArray, memory: Memory, past: int,

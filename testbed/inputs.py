@@ -138,7 +138,8 @@ def _read_beside(rig: Rig, rig_path: Path, path: Path, without: Sequence[str], *
         odd = next(rig_doubts(rig), None)
         if odd is None:
             raise
-        raise InputError(error.given, error.expected, f"{error.mend}; or see {rig_path.name}: {odd}") from None
+        mend = f"see {rig_path.name} first: {odd}; or else {error.mend}"
+        raise InputError(error.given, error.expected, mend) from None
 
 
 def check_names(paths: Sequence[Path]) -> None:

@@ -121,6 +121,20 @@ def another_kind(bench: Bench) -> Proposal:
     return Proposal(f"{words}: {test.words}" if test else words, "to see whether the updated model predicts it", test)
 
 
+def same_again(bench: Bench) -> Proposal:
+    """The same test, of which it is seen first that it is one of this rig.
+
+    Args:
+        bench: the records so far.
+    """
+    return Proposal(
+        "the same test again, once it is seen that its force drives this rig, and which channel is which sensor's",
+        "whatever its numbers, the model tells next to nothing of what was measured, as where that is noise, or of "
+        "another rig",
+        _steady(bench, 1.0),
+    )
+
+
 def more_of_what_is_left(
     bench: Bench, maps: Sequence[ErrorMap], forces: Sequence[MissingForce], located: Located | None
 ) -> Proposal:

@@ -17,7 +17,7 @@ Excitation = Annotated[
 ]
 Resolution = Annotated[
     float | None,
-    typer.Option("--resolution", min=1e-6, metavar="HZ", help="Spacing of the lines where nothing repeats; or 8 / T."),
+    typer.Option("--resolution", metavar="HZ", help="Spacing of the lines where nothing repeats; or 8 / T."),
 ]
 
 

@@ -9,6 +9,7 @@ from numba import njit
 
 from models.band_limit import STOP_EDGE
 from models.contact.kelvin_voigt import KelvinVoigt
+from models.contact_forces import contact_step, crossing, halfway, internal_state, part_step, steady_force
 from models.drive import STILL, Drive
 from models.effects import EFFECTS, Place
 from models.lanes import FOUR
@@ -19,20 +20,8 @@ from models.ports import Contact, PointLaw, Port
 from models.rig import Excitation, Oscillator, Rig
 from models.simulate import STEP_RATE, Settings, simulate
 from models.step_tables import items_of, linear_of
-from models.stepping import (
-    Reading,
-    Straight,
-    Weighed,
-    contact_step,
-    crossing,
-    halfway,
-    internal_state,
-    inverses_of,
-    march,
-    part_step,
-    steady_force,
-    straight_step,
-)
+from models.stepping import Reading, march
+from models.straight_contacts import Straight, Weighed, inverses_of, straight_step
 
 FS, N = 1024.0, 512
 LAST = Place(position=1.0)

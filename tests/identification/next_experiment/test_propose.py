@@ -122,6 +122,15 @@ def test_what_is_unexplained_is_looked_at_where_it_is():
     assert "acts at mass" in told.why
 
 
+@pytest.mark.parametrize(("error", "begins"), [(1.02, "the same test again, once it is seen"), (0.6, "half the level")])
+def test_a_record_of_which_nothing_is_told_is_to_be_looked_at_itself(error, begins):
+    model, evaluator = oscillators_record()
+
+    told = next_experiment(session_of(evaluator), "unexplained", [], model, error=error)
+
+    assert told.do.startswith(begins)
+
+
 @pytest.mark.parametrize(
     ("enough", "sensor", "words"), [(True, None, "a sensor at 0.626 m"), (False, None, ""), (True, "P1", "")]
 )

@@ -8,6 +8,7 @@ from effect_scenes import CONTACT, PLACES, scene_at
 
 from models.contact.hunt_crossley import HuntCrossley as HuntCrossleyLaw
 from models.contact.kelvin_voigt import KelvinVoigt
+from models.contact_forces import penetration_of
 from models.effects.clearance import Clearance
 from models.effects.contact_stiffness import ContactStiffness
 from models.effects.gap_offset import GapOffset
@@ -16,7 +17,6 @@ from models.effects.hunt_crossley import HuntCrossley
 from models.effects.time_varying_damping import TimeVaryingDamping
 from models.effects.wear import Wear
 from models.rest import contact_force
-from models.stepping import penetration_of
 
 SLEEVE = PLACES["sleeve"]
 
