@@ -39,6 +39,7 @@ from identification.outcome import (
 from identification.parallel import in_threads
 from identification.places_open import in_parts
 from identification.prepare import cut_to
+from identification.reached import is_silenced
 from identification.result import Diagnosis, Stage, Verdict
 from identification.session import Session
 from identification.together import wholly_off
@@ -149,7 +150,7 @@ def concluded(
         located=located,
         kept_aside=bool(kept.scores),
         missed=tuple(kept.missed),
-        error=stages[-1].score.nrmse,
+        is_untold=is_silenced(session.fitting, final, NEXT_TO_NOTHING),
     )
     return Diagnosis(
         verdict=verdict,
@@ -178,6 +179,10 @@ def concluded(
         not_predicted=tuple(kept.missed.values()),
         candidates_beside=_others_in(first),
     )
+
+
+NEXT_TO_NOTHING = 0.2
+"""Share of what the noise leaves to be told of the motion, as power, below which records may be of something else."""
 
 
 def _others_in(ranked: Sequence[Ranked]) -> tuple[Effect, ...]:

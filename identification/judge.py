@@ -1,8 +1,7 @@
 """Which effect is missing? Look for suspects, refit the best with all numbers, rank them by evidence."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 
 from identification.calibrate import beginning, calibrate, pulled, set_in_motion
 from identification.detail import in_more_detail
@@ -19,12 +18,12 @@ from identification.in_its_place import (
     with_others_there,
 )
 from identification.in_step import tried_with
-from identification.last_answer import LastAnswer
 from identification.look import View, afar, beside
 from identification.noise_left import NOISE_NEAR
 from identification.onset import of_whole
 from identification.pieces import fit_from_own_starts
 from identification.progress import Progress
+from identification.reached import is_faint
 from identification.sketch import (
     FAR_BEHIND,
     HEATS,
@@ -68,7 +67,8 @@ def judge(
     lasting = [view for view in views if view.is_lasting]
     late = instant is not None and instant.is_late  # where a drift has come to look like a step
     kinds = {} if instant is None else instant.registry
-    ranked, refits = list[Ranked](), LastAnswer[Fit | None]()
+    ranked: list[Ranked] = []
+    refits: Refits = {}
     looks = looks_from(base) if instant is None or not instant.is_unbent else [beside, afar]
     for number, look in enumerate(looks):
         if number > 0:
@@ -80,8 +80,7 @@ def judge(
             sketches = [_of_whole(sketch, fitting) for sketch in found]
         else:
             sketches = [] if instant is None else look(instant, base, progress)
-        met = not late and _is_met(sketches, fitting, base, refits)
-        if lasting and (number > 0 or not met):
+        if lasting and (number > 0 or late or not _is_met(sketches, fitting, base, refits, progress)):
             sketches += [sketch for view in lasting for sketch in beside(view, base, progress)]
             lasting = []
         rows = _weighed(ranked, sketches, fitting, base, kinds, progress, refits)
@@ -93,18 +92,30 @@ def judge(
     return _weighed(ranked, sketches, fitting, base, kinds, progress, refits) if sketches else ranked
 
 
-def _is_met(sketches: Sequence[Sketch], fitting: Evaluator, base: Fit, refits: LastAnswer[Fit | None]) -> bool:
+Refits = dict[Sketch, Fit | None]
+"""Sketches that were refitted before they were compared; None where the model with them diverges."""
+
+
+def _is_met(sketches: Sequence[Sketch], fitting: Evaluator, base: Fit, refits: Refits, progress: Progress) -> bool:
     """Whether a suspect reaches the noise that the calibrated model does not: in its sketch, or the best one refitted.
 
     A few steps on the beginning of the records leave numbers of the rig where they are wrong, and with them a misfit.
+    What a refit leaves is less than would have another effect looked for beside it.
     """
     if base.ratio <= REACHED or not sketches:
         return False
     if any(sketch.fit.ratio < REACHED for sketch in sketches):
         return True
-    best = sketches[0].fit.hypothesis
-    refitted = refits.about(best, ask=partial(refit_sketched, fitting, base, best))
-    return refitted is not None and refitted.ratio < REACHED
+    best = sketches[0]
+    if best.share <= 0.0:
+        return False
+    progress(_refitting(best, fitting))
+    found = refits[best] = refit_sketched(fitting, base, best.fit.hypothesis)
+    return found is not None and found.ratio < REACHED and not is_faint(fitting, found)
+
+
+def _refitting(sketch: Sketch, fitting: Evaluator) -> str:
+    return f"refitting {sketch.effect.label()} with all numbers on {fitting.extent}"
 
 
 def _weighed(
@@ -114,7 +125,7 @@ def _weighed(
     base: Fit,
     kinds: Registry,
     progress: Progress,
-    refits: LastAnswer[Fit | None],
+    refits: Refits,
 ) -> list[Ranked]:
     """What was refitted before and the best of these sketches, refitted, the one with the most evidence first."""
     more = finals(sketches, fitting, base, kinds, progress, known=known, refits=refits)
@@ -159,7 +170,7 @@ def finals(
     registry: Registry,
     progress: Progress,
     known: Sequence[Ranked] = (),
-    refits: LastAnswer[Fit | None] | None = None,
+    refits: Mapping[Sketch, Fit | None] | None = None,
 ) -> list[Ranked]:
     """The best sketches refitted, but for those that plainly stay above the noise that another has reached.
 
@@ -170,20 +181,21 @@ def finals(
         registry: kinds to try where the first of them has come to.
         progress: told what is being done.
         known: refitted before; what is like one of them is not refitted again.
-        refits: the last one, which may be of one of these sketches.
+        refits: of sketches that were refitted already.
     """
     lasting = [sketch for sketch in sketches if sketch.effect.family == "time"]
     instant = [sketch for sketch in sketches if sketch.effect.family != "time"]
     best = by_share([*_best(instant, FINALISTS), *_best(lasting, LASTING_FINALISTS)])
     finalists = [sketch for sketch in best if not any(is_alike(sketch.fit, row.fit) for row in known)]
-    ranked, refits = list[Ranked](), refits or LastAnswer[Fit | None]()
+    ranked, done = list[Ranked](), refits or {}
     beaten: list[tuple[Fit, float]] = []
     leader: tuple[Sketch, Leader] | None = None
     for sketch in finalists:
         if leader is not None and _is_out(sketch, leader[0]):
             beaten.append((sketch.fit, max(sketch.fit.ratio / leader[0].fit.ratio, RULED_OUT)))
             continue
-        progress(f"refitting {sketch.effect.label()} with all numbers on {fitting.extent}")
+        if sketch not in done:
+            progress(_refitting(sketch, fitting))
         found = sketch.fit.hypothesis
         if leader is not None:
             first, farther = against(leader[1], base, found)
@@ -192,7 +204,7 @@ def finals(
             if first is None or farther > RULED_OUT:
                 continue
             found = first.hypothesis
-        result = refits.about(found, ask=partial(refit_sketched, fitting, base, found))
+        result = done[sketch] if sketch in done else refit_sketched(fitting, base, found)
         if result is not None:
             effect = result.hypothesis.effects[-1]
             progress(f"{effect.label()} leaves {result.ratio:.2f} times the noise, {base.ratio:.2f} without it")

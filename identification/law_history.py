@@ -15,7 +15,7 @@ from models.rest import is_bilateral
 
 OPTIONS: dict[str, Any] = {"nogil": True, "cache": True}
 
-BUILT_IN = "../models/contact_forces.py", "../models/law_call.py"
+BUILT_IN = "../models/contact_forces.py", "../models/law_call.py", "../models/step_options.py"
 """Files of which the code of these kernels holds some."""
 
 

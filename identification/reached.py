@@ -53,7 +53,7 @@ LEAST_FOLLOWED, LARGE_ERROR = 0.5, 0.5
 below which that is not in question."""
 
 
-def is_silenced(evaluator: Evaluator, result: Fit) -> bool:
+def is_silenced(evaluator: Evaluator, result: Fit, least: float = LEAST_FOLLOWED) -> bool:
     """Whether a model tells next to nothing of the motion.
 
     Where the records are noise, or of another rig, one that says that nothing moves leaves less than one that moves
@@ -62,12 +62,13 @@ def is_silenced(evaluator: Evaluator, result: Fit) -> bool:
     Args:
         evaluator: records of the fit.
         result: of them.
+        least: share of what the noise leaves to be told that it tells at least.
     """
     floor = evaluator.nrmse_of_noise
     if result.ratio * floor < LARGE_ERROR:
         return False
     told, left = 1.0 - evaluator.nrmse_of(result.residual) ** 2, 1.0 - floor**2
-    return told < LEAST_FOLLOWED * max(left, 0.0)
+    return told < least * max(left, 0.0)
 
 
 def is_faint(evaluator: Evaluator, result: Fit) -> bool:

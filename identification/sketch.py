@@ -350,7 +350,7 @@ def sketched_from_calibrated(
         all_starts = [(start, moved) for each, moved in zip(starts, unknowns, strict=True) for start in each]
         found = iter(in_parallel(evaluator.jobs, together, all_starts))
         fits = [([one for one in islice(found, len(each)) if one], each[0].effects[-1]) for each in starts]
-        return [Sketch(there, min(ended, key=attrgetter("cost")), begun) for ended, begun in fits if ended]
+        return [Sketch(there, min(ended, key=attrgetter("cost")), suspect) for ended, suspect in fits if ended]
 
     sketches = sketches_from(begun)
     others = rivals(evaluator, there, by_share(sketches), registry)[:MOST_LONG_RIVALS]

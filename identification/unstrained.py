@@ -11,7 +11,7 @@ import numpy as np
 from identification.calibrate import PULLED_SIGMA
 from identification.evaluate import Evaluator
 from identification.evidence import misfit_of
-from identification.fit import LEAST_GAIN, Fit, fit
+from identification.fit import LEAST_GAIN, Fit, fit, newton_step, prior_of
 from identification.hypothesis import RigUnknown, at_coordinates, coordinates
 
 FAR, FAR_BESIDE_LAW = 2.0, 1.0
@@ -46,7 +46,7 @@ def unstrained(evaluator: Evaluator, found: Fit) -> Fit:
     try:
         start = at_coordinates(found.hypothesis, found.unknowns, x + together)
         look = fit(evaluator, start, found.unknowns, max_iterations=STEPS, jacobian=found.jacobian, keep=True)
-        if unlikely(look) - look.unfinished * look.cost / unit > unlikely(found) - LEAST_GAIN:
+        if min(unlikely(look), _promised(look, unit)) > unlikely(found) - LEAST_GAIN:
             return found
         again = fit(evaluator, look.hypothesis, found.unknowns, precise=True, like=found)
     except ArithmeticError:
@@ -56,6 +56,14 @@ def unstrained(evaluator: Evaluator, found: Fit) -> Fit:
 
 STEPS = 6
 """By the slopes of a fit from where its far numbers are as given."""
+
+
+def _promised(look: Fit, unit: float) -> float:
+    """How unlikely the place is to which a step more leads, were the model linear."""
+    step, _ = newton_step(look.hypothesis, look.unknowns, look.jacobian, look.residual)
+    left = look.residual + step @ look.jacobian
+    there = coordinates(look.hypothesis, look.unknowns) + step
+    return float(left @ left / unit + prior_of(look.unknowns) @ there**2)
 
 
 def moved_back(found: Fit, back: Fit) -> str:

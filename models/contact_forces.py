@@ -46,6 +46,7 @@ def penetration_of(contact: FloatArray, j: int, t: float, q: float, v: float) ->
     return p, rate, side
 
 
+@noticing("step_options.py")
 @njit(**OPTIONS)
 def part_step(start: float, end: float, first: float, middle: float, last: float) -> tuple[float, float]:
     """Weights (a, b) of the straight line over the step with the impulse and first moment of a force on a part.
@@ -82,6 +83,7 @@ def halfway(h: float, x0: float, v0: float, x1: float, v1: float) -> tuple[float
     return 0.5 * (x0 + x1) + 0.125 * h * (v0 - v1), 1.5 * (x1 - x0) / h - 0.25 * (v0 + v1)
 
 
+@noticing("step_options.py")
 @njit(**OPTIONS)
 def crossing(p0: float, r0: float, p1: float, r1: float) -> tuple[float, float]:
     """Fraction of the step where the cubic through (p0, slope r0) and (p1, slope r1) passes 0, and its slope there."""
@@ -149,7 +151,7 @@ def law_step(
     return force + rise, last + rise
 
 
-@noticing("law_call.py")
+@noticing("law_call.py", "step_options.py")
 @njit(**OPTIONS)
 def steady_force(
     law: int, values: FloatArray, offset: int, t: float, q: float, v: float, q_by: float, v_by: float, force: float,
@@ -197,7 +199,7 @@ def steady_force(
     return force, -1.0
 
 
-@noticing("law_call.py")
+@noticing("law_call.py", "step_options.py")
 @njit(**OPTIONS)
 def internal_state(
     rate: int, values: FloatArray, offset: int, t: float, h: float,

@@ -14,6 +14,7 @@ from scipy.signal.windows import tukey
 
 from models.arrays import ComplexArray, FloatArray
 from models.band_limit import PAD, STOP_EDGE, recorder_gain
+from models.compiled import noticing
 from models.step_options import OPTIONS
 
 FORCE_REACH = 32
@@ -54,6 +55,7 @@ def force_kernels(factor: int) -> FloatArray:
     return np.ascontiguousarray(padded[::-1].T)
 
 
+@noticing("step_options.py")
 @njit(**OPTIONS)
 def raise_block(force: FloatArray, kernels: FloatArray) -> FloatArray:
     """(1, n factor + 1) the force from sample FORCE_REACH on, for n + 1 + 2 FORCE_REACH samples.

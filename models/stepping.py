@@ -159,6 +159,7 @@ class Memory(NamedTuple):
         )
 
 
+@noticing("lanes.py", "step_options.py")
 @njit(**OPTIONS)
 def reached(reading: Reading, pushed: FloatArray) -> FloatArray:
     """(n_ports, n_rows, and some that are 0) what is read after a step in which a unit force pushed a port.

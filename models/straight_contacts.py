@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 
 from models.arrays import FloatArray, IntArray
+from models.compiled import noticing
 from models.contact_forces import halfway, pressed
 from models.lanes import EIGHT, FOUR, chosen, digits, eight, four, four_of, put
 from models.step_options import INLINE, OPTIONS
@@ -97,6 +98,7 @@ def stays_out(contacts: Straight, start: Weighed, end: Weighed, a: Any, b: Any) 
     return contacts.is_unilateral & (is_open | would_pull) & (a * a + b * b <= 0.0)
 
 
+@noticing("lanes.py", "step_options.py")
 @njit(**OPTIONS)
 def inverses_of(
     straight: FloatArray, port: IntArray, h: float,
@@ -143,6 +145,7 @@ def inverses_of(
     return found
 
 
+@noticing("lanes.py", "step_options.py")
 @njit(**OPTIONS)
 def joined_of(straight: FloatArray) -> tuple[int, int]:
     """The first straight contact, and how many from there on are met together; one that is not so ends the row."""

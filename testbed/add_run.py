@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from identification.calibrate import strained
 from identification.outcome import effect_estimates, rig_estimates
 from models.effects import EFFECTS, Effect
+from models.effects.build import KEYS
 from models.errors import InputError
 from models.record import Record
 from models.rig import EffectEntry, Rig
@@ -99,13 +100,18 @@ def check_effect(rig_path: Path, kind: str, settings: Mapping[str, Any]) -> None
     pattern_of(rig, _entry(kind, settings))
 
 
+PLACED = ("sleeve", "position", "sensor", "other")
+"""What says where an effect sits."""
+
+
 def _check_place(rig: Rig, kind: str, settings: Mapping[str, Any]) -> None:
     """Refuse a kind that was told no place of its own, in the words of the command's options."""
     if kind not in EFFECTS or rig.structure.kind != "beam":
         return
-    places, given = EFFECTS[kind].places, [f"--{key}" for key in PLACED if key in settings]
-    if given in [OPTIONS_OF[place] for place in places] or not (places or given):
+    places, given = EFFECTS[kind].places, [key for key in PLACED if key in settings]
+    if given in [list(KEYS[place]) for place in places] or not (places or given):
         return
+    options = " and ".join(f"--{key}" for key in given)
     sleeves, sensors = (", ".join(part.name for part in parts) for parts in (rig.sleeves, rig.sensors))
     ways = {
         "sleeve": f"--sleeve NAME: {sleeves or 'this rig has none'}",
@@ -114,22 +120,10 @@ def _check_place(rig: Rig, kind: str, settings: Mapping[str, Any]) -> None:
         "sensor pair": f"--sensor NAME --other NAME: {sensors}",
     }
     raise InputError(
-        f"{kind} with {' and '.join(given)}" if given else f"{kind} without a place",
+        f"{kind} with {options}" if given else f"{kind} without a place",
         f"it sits at one {' or '.join(places)}" if places else "it has no place",
-        f"give {', or '.join(ways[place] for place in places)}" if places else f"leave {' and '.join(given)} out",
+        f"give {', or '.join(ways[place] for place in places)}" if places else f"leave {options} out",
     )
-
-
-PLACED = ("sleeve", "position", "sensor", "other")
-"""Options that say where an effect sits."""
-
-OPTIONS_OF = {
-    "sleeve": ["--sleeve"],
-    "position": ["--position"],
-    "sensor": ["--sensor"],
-    "sensor pair": ["--sensor", "--other"],
-}
-"""Those of each place."""
 
 
 def _entry(kind: str, settings: Mapping[str, Any]) -> EffectEntry:

@@ -14,7 +14,7 @@ from models.rig import Rig
 from testbed import __version__
 from testbed.doubts import rig_doubts
 from testbed.records.copies import is_same_test
-from testbed.records.read import UnusableChannelsError, read_record, unusable
+from testbed.records.read import FirstModeError, UnusableChannelsError, read_record, unusable
 from testbed.whole_rig import whole_rig
 
 
@@ -138,7 +138,9 @@ def _read_beside(rig: Rig, rig_path: Path, path: Path, without: Sequence[str], *
         odd = next(rig_doubts(rig), None)
         if odd is None:
             raise
-        mend = f"see {rig_path.name} first: {odd}; or else {error.mend}"
+        see = f"{rig_path.name}: {odd}"
+        of_rig = isinstance(error, FirstModeError)
+        mend = f"see {see}; or else {error.mend}" if of_rig else f"{error.mend}; or see {see}"
         raise InputError(error.given, error.expected, mend) from None
 
 

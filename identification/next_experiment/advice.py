@@ -128,7 +128,7 @@ def same_again(bench: Bench) -> Proposal:
         bench: the records so far.
     """
     return Proposal(
-        "the same test again, once it is seen that its force drives this rig, and which channel is which sensor's",
+        "the same test again, once it is seen that it moves this rig, and which channel is which sensor's",
         "whatever its numbers, the model tells next to nothing of what was measured, as where that is noise, or of "
         "another rig",
         _steady(bench, 1.0),

@@ -41,7 +41,7 @@ def next_experiment(
     located: Located | None = None,
     kept_aside: bool = False,
     missed: Sequence[str] = (),
-    error: float = 0.0,
+    is_untold: bool = False,
 ) -> Proposal:
     """What to measure next to learn most.
 
@@ -55,7 +55,7 @@ def next_experiment(
         located: where one of them would explain what it leaves, if that was looked for.
         kept_aside: whether the model was tried on records that the fit had not seen.
         missed: those of them on which it does not hold.
-        error: NRMSE that it leaves over all records.
+        is_untold: whether it tells next to nothing of the motion where it was fitted.
     """
     if not session.everything.timed:
         return Proposal("the same test at a higher level, or a time record", AT_REST_ONLY)
@@ -71,7 +71,7 @@ def next_experiment(
             return replace(_told_apart(session, bench, rivals, ranked[0].fit.ratio), noise=_noise(bench))
     if any(limit.growth > CHAOTIC for limit in session.limits):
         proposal = lower_level(session.everything, bench, model)
-    elif verdict == "unexplained" and error > NOTHING_TOLD:
+    elif verdict == "unexplained" and is_untold:
         proposal = same_again(bench)
     elif verdict == "unexplained":
         proposal = more_of_what_is_left(bench, maps, forces, located)
@@ -82,10 +82,6 @@ def next_experiment(
     else:
         proposal = another_kind(bench)
     return replace(proposal, noise=_noise(bench))
-
-
-NOTHING_TOLD = 0.9
-"""NRMSE above which a model tells less than a fifth of the motion, as power."""
 
 
 def _noise(bench: Bench) -> dict[str, float]:

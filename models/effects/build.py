@@ -66,12 +66,11 @@ def _without_none(table: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _unknown(given: str, kind: str, registry: Mapping[str, type[Effect]]) -> InputError:
-    """The nearest kind, or all where none is near: among so many names one that stands last is not found."""
+    """What to say of a kind that the library does not have: the nearest one, or all where none is near."""
     near = get_close_matches(kind, registry, n=1)
     if near:
-        return InputError(
-            given, f'the nearest of the library\'s {len(registry)} kinds is "{near[0]}"', "write that one"
-        )
+        expected = f'the nearest of the library\'s {len(registry)} kinds is "{near[0]}"'
+        return InputError(given, expected, "write that one, or see all with testbed effects")
     return InputError(given, f"the library has {', '.join(sorted(registry))}", "choose one of them")
 
 

@@ -90,8 +90,6 @@ def run_identification(order: Order, settings: Settings, out: Path, *, progress:
         begin=order.begin,
         end=order.end,
     )
-    if rig is not None and order.sleeve is not None:
-        check_sleeve(rig, order.sleeve, decays.channels.fs)
     with in_file(decays.channels.name):
         found = identify(decays.signals, decays.starts, decays.channels.fs, decays.kick_signs, settings, progress)
     content = identification_json(found, decays, settings, order.mass)
@@ -109,12 +107,14 @@ def run_identification(order: Order, settings: Settings, out: Path, *, progress:
 
 
 def _check(order: Order, rig: Rig | None) -> None:
-    """Refuse, before anything is computed, a sleeve that the rig does not have and a mass that is none."""
+    """Refuse, before a record is read, a sleeve that the rig does not have or that is open, and a mass that is none."""
     sleeves = [] if rig is None else [sleeve.name for sleeve in rig.sleeves]
     if rig is not None and order.sleeve is not None and order.sleeve not in sleeves:
         raise InputError(
             f"--sleeve {order.sleeve!r}", f"the rig's sleeves are {', '.join(sleeves) or 'none'}", "name one of these"
         )
+    if rig is not None and order.sleeve is not None:
+        check_sleeve(rig, order.sleeve)
     if order.mass is not None and order.mass <= 0.0:
         raise InputError(f"--mass {order.mass:g}", "an equivalent mass is more than 0 kg", "leave it out if unknown")
 

@@ -12,7 +12,6 @@ from identification.decay.sleeve_damping import DampingTable, contact_damping
 from identification.decay.sleeve_poles import Dashpots
 from identification.decay.smoother import SmoothedMode
 from models.arrays import BoolArray, FloatArray
-from models.band_limit import SCORE_EDGE
 from models.effects import entry_of
 from models.effects.protocol import Place
 from models.effects.time_varying_damping import TimeVaryingDamping
@@ -58,18 +57,17 @@ class SleeveDamping:
     stretches: tuple[tuple[float, float], ...]
 
 
-def check_sleeve(rig: Rig, sleeve: str, fs: float) -> None:
-    """See that a sleeve touches at rest, before a decay is identified.
+def check_sleeve(rig: Rig, sleeve: str) -> None:
+    """See that a sleeve touches at rest, before a decay is read.
 
     Args:
         rig: with the sleeve.
         sleeve: its name.
-        fs: of the decay, Hz.
 
     Raises:
         InputError: an unknown sleeve or one that is open at rest.
     """
-    Dashpots.of(linearised(build_modal(build_plant(rig), SCORE_EDGE * fs)), (sleeve,))
+    Dashpots.of(linearised(build_modal(build_plant(rig), 0.0)), (sleeve,))
 
 
 def sleeve_damping(found: Identification, rig: Rig, sleeve: str) -> SleeveDamping:

@@ -104,6 +104,10 @@ def resolved(held: AnyRecording, rig: Rig, *, without: Sequence[str] = (), stric
     return record
 
 
+class FirstModeError(InputError):
+    """A record that cannot hold the first mode of its rig: either may be described wrongly."""
+
+
 def first_natural_freq(rig: Rig) -> float:
     """Hz, of the beam without sleeves or the oscillator; 0 where nothing holds the mass."""
     structure = Structure.of(rig.structure)
@@ -194,7 +198,7 @@ def _signals(recording: Recording, matched: Matched, rig: Rig) -> _Signals:
 
 def _check_duration(file: str, n_samples: int, fs: float, freq: float) -> None:
     if n_samples / fs * freq < 1 and freq > 0:
-        raise InputError(
+        raise FirstModeError(
             f"{file}: {n_samples} samples at {fs:g} Hz, {n_samples / fs:.4g} s",
             f"a record lasts at least one period of the first mode, {1 / freq:.4g} s",
             "record for longer, or check fs",
@@ -215,7 +219,7 @@ def _nothing_measured(file: str, responses: Mapping[str, FloatArray], faults: li
 
 def _check_rate(file: str, n_samples: int, fs: float, freq: float) -> None:
     if fs < 2.0 * freq:
-        raise InputError(
+        raise FirstModeError(
             f"{file}: {n_samples} samples at {fs:.4g} Hz, {n_samples / fs:.4g} s",
             f"a record holds frequencies up to half its rate, and the first mode of the rig is at {freq:.4g} Hz",
             "if its time column is in ms, call it time [ms]; otherwise correct fs, or record faster",

@@ -8,11 +8,11 @@ from rest_records import modes_of
 from trial_records import REFERENCE, evaluator_of, measured, moved, multisine
 
 from identification.at_rest import linear_model
-from identification.calibrate import calibrate, unknowns_of
+from identification.calibrate import calibrate, concerning, unknowns_of
 from identification.carried import carried_through
 from identification.evaluate import carry_noise
 from identification.evidence import Ranked
-from identification.faults import NO_SUSPICION, suspicion
+from identification.faults import NO_SUSPICION, _mended, _without_fault, suspicion
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, with_own_number
 from identification.reached import NOISE_REACHED
@@ -229,3 +229,24 @@ def test_without_a_channel_the_rest_of_a_target_stays():
     whole = target.residual(wrong, evaluator.settings)
     kept = np.repeat(np.array(target.record.sensors) != "P3", 2 * target.measured.shape[1])
     np.testing.assert_allclose(less.residual(wrong, evaluator.settings), whole[kept])
+
+
+@pytest.mark.parametrize("fault", [ON_P3, Place(sensor="P3", other="P2"), Place()], ids=["channel", "pair", "nothing"])
+def test_the_slopes_without_a_channel_are_those_of_a_fit_without_it(fault):
+    """Formed anew they are differences over other steps, which here changes them by a few thousandths."""
+    forces = {"low": multisine(1024, 2, rms=4.0), "high": multisine(1024, 2, rms=20.0, seed=2)}
+    truth = moved(REFERENCE, *np.ones(len(REFERENCE.parameters())))
+    window = evaluator_of(*(measured(truth, force, name=name) for name, force in forces.items()))
+    low, high = window.timed
+    window = window.with_targets([low.only(["P3"]), high] if fault.other is None else [low, high])
+    given = Hypothesis(REFERENCE)
+    ground = fit(window, given, unknowns_of(given, window), max_iterations=0)
+    heard = window.with_targets([t for t in (_without_fault(t, fault) for t in window.timed) if t.record.sensors])
+    unknowns = concerning(ground, heard)
+
+    shared = _mended(window, ground, fault).jacobian[[ground.unknowns.index(unknown) for unknown in unknowns]]
+
+    own = fit(heard, given, unknowns, max_iterations=0).jacobian
+    assert shared.shape == own.shape
+    assert np.linalg.norm(shared - own, axis=1) == pytest.approx(np.zeros(len(own)), abs=0.02 * np.linalg.norm(own))
+    assert len(heard.timed) == (1 if fault == ON_P3 else 2)

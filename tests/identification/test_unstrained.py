@@ -28,7 +28,7 @@ def found(clearance, chi2=float(N)):
     covariance = 1e-4 * np.eye(len(UNKNOWNS))
     covariance[CLEARANCE, LAST] = covariance[LAST, CLEARANCE] = 0.99e-4
     empty = np.zeros((len(UNKNOWNS), 1))
-    return Fit(hypothesis, UNKNOWNS, chi2, clearance**2, N, np.zeros(1), empty, covariance)
+    return Fit(hypothesis, UNKNOWNS, chi2, clearance**2, N, np.array([chi2**0.5]), empty, covariance)
 
 
 @pytest.fixture
@@ -36,12 +36,13 @@ def fitted(monkeypatch):
     """What a fit from the other place ends with, by the chi-square asked for; and where looks and fits began."""
     begun = []
 
-    def ending_with(chi2, of_look=None):
+    def ending_with(chi2, of_look=None, slope=0.0):
         def fit(evaluator, start, unknowns, *, precise=False, **how):
             assert precise or how["keep"]
             begun.append(coordinates(start, unknowns))
             ended = found(0.0, chi2 if precise or of_look is None else of_look)
-            slopes = ended.jacobian[: len(unknowns)]
+            slopes = ended.jacobian[: len(unknowns)].copy()
+            slopes[-1] = slope  # of the offset, of which nobody knows anything beforehand
             return replace(ended, hypothesis=start, unknowns=tuple(unknowns), jacobian=slopes)
 
         monkeypatch.setattr(room, "fit", fit)
@@ -77,6 +78,13 @@ def test_a_look_that_promises_nothing_likelier_is_not_followed(fitted):
     far = found(-3.0)
     assert unstrained(None, far) is far
     assert len(begun) == 1
+
+
+def test_a_look_that_is_less_likely_and_promises_more_is_followed(fitted):
+    begun = fitted(N, of_look=N + 20.0 * misfit_of(found(-3.0)), slope=400.0)
+    far = found(-3.0)
+    assert unstrained(None, far) is not far
+    assert len(begun) == 2
 
 
 @pytest.mark.parametrize(("far", "tried"), [(-2.9, 0), (-3.1, 2)])

@@ -5,15 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from model_scenes import REFERENCE, burst, multisine, nrmse, record_of, rig_with, sleeve
-from numba import njit
 
 from models.band_limit import STOP_EDGE
 from models.contact.kelvin_voigt import KelvinVoigt
-from models.contact_forces import contact_step, crossing, halfway, internal_state, part_step, steady_force
 from models.drive import STILL, Drive
 from models.effects import EFFECTS, Place
-from models.lanes import FOUR
-from models.law import law_address
 from models.modal import build_modal
 from models.plant import build_plant
 from models.ports import Contact, PointLaw, Port
@@ -21,7 +17,6 @@ from models.rig import Excitation, Oscillator, Rig
 from models.simulate import STEP_RATE, Settings, simulate
 from models.step_tables import items_of, linear_of
 from models.stepping import Reading, march
-from models.straight_contacts import Straight, Weighed, inverses_of, straight_step
 
 FS, N = 1024.0, 512
 LAST = Place(position=1.0)
@@ -237,68 +232,6 @@ def test_a_contact_that_would_pull_where_a_step_begins_is_cut_there():
     np.testing.assert_allclose(ends[0], ends[1], rtol=1e-8)
 
 
-@njit
-def both_steps(law, values, contact, t, h, p0, r0, side0, n0, q, v):
-    ordinary = contact_step(law, values, 0, contact, 0, t, h, p0, r0, side0, n0, q, v)
-    contacts = Straight(values[0], values[1], contact[0, 0], contact[0, 1], contact[0, 2], False, True)
-    return ordinary, straight_step(contacts, t, h, Weighed(p0, r0, side0, n0), q, v)
-
-
-@pytest.mark.parametrize("bilateral", [False, True])
-def test_a_straight_contact_that_stays_closed_is_weighed_as_any_other(bilateral):
-    rng, law, h, n_closed = np.random.default_rng(0), law_address(KelvinVoigt.normal_force), 1e-4, 0
-    for _ in range(5000):
-        values = np.array([10.0 ** rng.uniform(3.0, 6.0), 10.0 ** rng.uniform(0.0, 3.0)])
-        clearance, growth = (0.0, 0.0) if bilateral else (1e-4 * rng.random(), 1e-2 * rng.random())
-        contact = np.array([[clearance, 2e-4 * rng.uniform(-1.0, 1.0), growth, float(bilateral)]])
-        t, side, p0, r0 = rng.random(), rng.choice([-1.0, 1.0]), 1e-4 * rng.random(), 0.3 * rng.standard_normal()
-        n0 = values @ np.array([p0, r0])
-        if n0 < 0.0 and not bilateral:
-            continue
-        reached = clearance + growth * (t - h) + p0 + h * r0 + 2e-5 * rng.standard_normal()
-        q, v = contact[0, 1] + side * reached, side * (r0 + 0.3 * rng.standard_normal())
-        ordinary, (*weights, p1, middle, last) = both_steps(law, values, contact, t, h, p0, r0, side, n0, q, v)
-        if bilateral or (p1 > 0.0 and min(middle, last) >= 0.0):
-            n_closed += 1
-            size = abs(n0) + np.abs(ordinary).sum()
-            assert np.abs(np.subtract(weights, ordinary)).max() < 1e-12 * size
-    assert 500 < n_closed < (5001 if bilateral else 4000)
-
-
-@njit
-def asked_of_two(straight, contact, port, t, h, starts, q, v):
-    weights = np.empty((2, 2))
-    for j in range(2):
-        contacts = Straight(straight[j, 1], straight[j, 2], contact[j, 0], contact[j, 1], contact[j, 2], False, True)
-        start = Weighed(starts[j, 0], starts[j, 1], starts[j, 2], starts[j, 3])
-        weights[0, j], weights[1, j], _, _, _ = straight_step(contacts, t, h, start, q[port[j]], v[port[j]])
-    return weights
-
-
-def test_the_weights_of_straight_contacts_are_met_in_one_step():
-    h, rng = 1e-4, np.random.default_rng(1)
-    straight, port = np.array([[1.0, 3e4, 15.0], [1.0, 2e5, 60.0]]), np.array([1, 0])
-    contact = np.array([[1e-4, 0.0, 0.0, 0.0], [2e-4, 1e-5, 1e-3, 0.0]])
-    starts = np.array([[2e-5, 0.05, 1.0, 7.0], [1e-5, 0.02, -1.0, 4.0]])
-    q_start, q_end, v_start, v_end = (scale * rng.random((2, 2)) for scale in (1e-8, 1e-8, 1e-4, 1e-4))
-    inverses = inverses_of(straight, port, h, q_start, q_end, v_start, v_end)
-
-    def asked(weights):
-        q, v = np.array([2e-4, 3e-4]), np.array([0.1, -0.2])
-        for (a, b), i in zip(weights.T, port, strict=True):
-            q, v = q + q_start[i] * a + q_end[i] * b, v + v_start[i] * a + v_end[i] * b
-        return asked_of_two(straight, contact, port, 0.3, h, starts, q, v)
-
-    for closed, own in ((1, [0]), (2, [1]), (3, [0, 1])):
-        guess = np.array([[1.0, 5.0], [-2.0, 3.0]])
-        fault = np.zeros((2, FOUR))
-        fault[:, own] = (asked(guess) - guess)[:, own]
-        found = guess + (fault.ravel() @ inverses[closed]).reshape(2, FOUR)[:, :2]
-        assert np.abs(fault).max() > 1.0
-        assert found[:, own] == pytest.approx(asked(found)[:, own], rel=1e-12)
-        assert np.array_equal(np.delete(found, own, axis=1), np.delete(guess, own, axis=1))
-
-
 def test_a_contact_that_would_pull_until_it_is_open_has_no_force():
     """A kilogram that leaves the wall, and is driven back to it so soon that it comes to rest beside it."""
     rig = Rig(structure=Oscillator(kind="oscillator", mass=1.0, stiffness=1.0, damping=0.0), excitation=Excitation())
@@ -329,54 +262,6 @@ def test_a_beam_thrown_through_the_gap_in_one_step_meets_the_other_side():
     assert np.isfinite(v).all()
     assert (np.sign(port_q[:, 1:]) != np.sign(port_q[:, :-1])).any()
     assert (forces != 0).any()
-
-
-@pytest.mark.parametrize(
-    ("start", "end", "first", "middle", "last"),
-    [(0, 1, 3, 4.5, 5), (0.3, 1, 2, 5, 7), (0, 0.6, 4, 3.5, 1), (0, 1, -2, 3, 6), (0.2, 1, 5, 4, -1), (0, 1, 2, 3, -8)],
-)
-def test_the_straight_line_of_a_part_has_its_impulse_and_its_first_moment(start, end, first, middle, last):
-    a, b = part_step(float(start), float(end), float(first), float(middle), float(last))
-    s = np.linspace(0.0, 1.0, 200001)
-    x = (s - start) / (end - start)
-    parabola = first * (1 - x) * (1 - 2 * x) + 4 * middle * x * (1 - x) + last * x * (2 * x - 1)
-    force = np.where((x >= 0) & (x <= 1), np.maximum(0.0, parabola), 0.0)
-    assert (a + b) / 2 == pytest.approx(np.trapezoid(force, s), abs=1e-4)  # the sum's own step
-    assert a / 6 + b / 3 == pytest.approx(np.trapezoid(force * s, s), abs=1e-4)
-
-
-def test_a_force_that_would_pull_throughout_is_none():
-    assert part_step(0.2, 1.0, -1.0, -2.0, -3.0) == (0.0, 0.0)
-
-
-def test_a_force_that_would_pull_halfway_only_runs_straight():
-    assert part_step(0.0, 1.0, 1.0, -0.5, 3.0) == pytest.approx((1.0, 3.0))
-
-
-def test_halfway_is_exact_for_a_cubic():
-    h, place = 0.3, np.polynomial.Polynomial([1.0, -2.0, 5.0, 7.0])
-    speed = place.deriv()
-    assert halfway(h, place(0.0), speed(0.0), place(h), speed(h)) == pytest.approx((place(h / 2), speed(h / 2)))
-
-
-@pytest.mark.parametrize("root", [0.05, 0.5, 0.93])
-def test_the_crossing_is_that_of_the_cubic(root):
-    """p = (s - root)(1 + s^2) has one crossing."""
-    p0, p1 = -root, 2.0 * (1.0 - root)
-    r0, r1 = 1.0, 2.0 + 2.0 * (1.0 - root)
-    s, slope = crossing(p0, r0, p1, r1)
-    assert s == pytest.approx(root, abs=1e-9)
-    assert slope == pytest.approx(1.0 + root**2, rel=1e-8)
-
-
-def test_the_internal_state_is_carried_by_the_trapezoidal_rule():
-    address, values, h = law_address(relaxing), np.array([300.0]), 1e-3
-    z = internal_state(address, values, 0, h, h, 0.0, 0.0, 0.8, 0.0, 0.0)
-    assert z == pytest.approx(0.8 * (1.0 - 0.15) / (1.0 + 0.15), rel=1e-12)
-
-
-def relaxing(t, q, v, z, p):
-    return -p[0] * z
 
 
 def test_a_law_that_makes_energy_is_noticed():
@@ -425,25 +310,6 @@ def test_friction_that_sticks_holds_still_however_steep_it_is(slip_velocity):
     assert np.abs(v[rest]).max() < max(slip_velocity, 1e-9)
     assert np.abs(np.diff(forces[0, rest])).max() < 1e-3 * friction
     np.testing.assert_allclose(forces[0, rest], stiffness * q[rest], rtol=1e-3, atol=1e-3)
-
-
-@pytest.mark.parametrize("slip_velocity", [1e-1, 1e-4, 1e-9])
-def test_a_steady_force_is_what_the_motion_at_the_end_asks_for(slip_velocity):
-    """A mass of 3 kg at 2 mm/s, held by friction within a step: m v / h where that is within its means."""
-    address, h, mass = law_address(EFFECTS["coulomb_friction"].force), 1e-3, 3.0
-    values = np.array([100.0, slip_velocity])
-    force, slope = steady_force(address, values, 0, h, 0.0, 2e-3, 0.5 * h * h / mass, h / mass, 0.0, 1e-9)
-    assert force == pytest.approx(-100.0 * np.tanh((2e-3 + force * h / mass) / slip_velocity), abs=1e-5)
-    assert slope > 0.0
-    if slip_velocity < 1e-8:
-        assert force == pytest.approx(-mass * 2e-3 / h, rel=1e-4)
-
-
-def test_a_law_that_asks_for_more_the_more_it_is_given_is_left_alone():
-    address, h, mass = law_address(EFFECTS["coulomb_friction"].force), 1e-3, 3.0
-    force, slope = steady_force(address, np.array([-100.0, 1e-4]), 0, h, 0.0, 0.0, 0.0, h / mass, 1e-12, 1e-9)
-    assert np.isfinite(force)
-    assert slope == -1.0
 
 
 def test_a_film_between_hard_walls_is_marched_through():

@@ -99,9 +99,7 @@ def test_a_rig_all_in_mm_is_to_be_written_in_m_throughout(folder):
 def test_a_record_that_an_odd_rig_refuses_names_the_rig_too(folder):
     path = folder / "soft.toml"
     path.write_text(RIG_TOML.replace("youngs_modulus = 210e9", "youngs_modulus = 210"))
-    with pytest.raises(
-        InputError, match=r"sweep.csv: .* one period of the first mode, .*; see soft.toml first: length"
-    ):
+    with pytest.raises(InputError, match=r"sweep.csv: .* one period of the first mode, .*; see soft.toml: length"):
         read_inputs(path, [folder / "sweep.csv"])
 
 

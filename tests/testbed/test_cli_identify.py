@@ -142,3 +142,10 @@ def test_noise_on_the_force_is_named_where_it_hides_the_blow(folder, capsys):
     assert main(begun) == 0
     (mode,) = json.loads((folder / "soft" / "identification.json").read_text())["decays"][0]["modes"]
     assert mode["natural_freq"] == pytest.approx(60.0, rel=1e-3)
+
+
+def test_an_open_sleeve_is_told_before_a_decay_is_identified(folder, monkeypatch, capsys):
+    monkeypatch.setattr("testbed.identify.run.identify", None)
+    arguments = ["identify", str(folder / "decay.csv"), "--rig", str(folder / "rig.toml"), "--sleeve", "sleeve 1"]
+    assert main([*arguments, "--out", str(folder / "no")]) == 2
+    assert "sleeve 1: it is open at rest" in capsys.readouterr().err

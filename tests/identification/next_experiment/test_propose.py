@@ -122,11 +122,13 @@ def test_what_is_unexplained_is_looked_at_where_it_is():
     assert "acts at mass" in told.why
 
 
-@pytest.mark.parametrize(("error", "begins"), [(1.02, "the same test again, once it is seen"), (0.6, "half the level")])
-def test_a_record_of_which_nothing_is_told_is_to_be_looked_at_itself(error, begins):
+@pytest.mark.parametrize(
+    ("is_untold", "begins"), [(True, "the same test again, once it is"), (False, "half the level")]
+)
+def test_a_record_of_which_nothing_is_told_is_to_be_looked_at_itself(is_untold, begins):
     model, evaluator = oscillators_record()
 
-    told = next_experiment(session_of(evaluator), "unexplained", [], model, error=error)
+    told = next_experiment(session_of(evaluator), "unexplained", [], model, is_untold=is_untold)
 
     assert told.do.startswith(begins)
 

@@ -12,7 +12,8 @@ FILM = {"kind": "squeeze_film", "sleeve": "outer"}
 
 WRONG_ON_A_BEAM = [
     ({"kind": "squeze_film", "sleeve": "outer"}, 'new effect.kind = "squeze_film"',
-     f'the nearest of the library\'s {len(EFFECTS)} kinds is "squeeze_film"', "write that one"),
+     f'the nearest of the library\'s {len(EFFECTS)} kinds is "squeeze_film"',
+     "write that one, or see all with testbed effects"),
     ({"kind": "xyz"}, 'new effect.kind = "xyz"', "the library has absorber, axial_", "choose one of them"),
     ({"kind": "sensor_position", "sensor": "tip", "position": 1.6}, "new effect.position = 1.6 m",
      "the beam ends at 1.5 m", "give a position between the clamp and the free end"),
