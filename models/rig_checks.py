@@ -1,7 +1,7 @@
 """Whether the parts of a rig fit together: places on the structure, unique names, known tolerances."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import TYPE_CHECKING
@@ -36,7 +36,7 @@ def misfits(rig: "Rig") -> Iterator[Misfit]:
     yield from _unknown_names(rig)
 
 
-def nearest(key: str, known: Sequence[str]) -> str | None:
+def nearest(key: str, known: Iterable[str]) -> str | None:
     """The known key that reads most like the given one; None where none is near enough to be meant."""
     return next(iter(get_close_matches(key, known, n=1)), None)
 

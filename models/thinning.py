@@ -64,7 +64,7 @@ def gain_of(taps: FloatArray, freq: FloatArray) -> FloatArray:
     )
 
 
-@noticing("lanes.py")
+@noticing("compiled.py", "lanes.py")
 @njit(cache=True, **OPTIONS)
 def thinned(signal: FloatArray, taps: FloatArray, every: int) -> FloatArray:
     """(n, M / every) every so many values of filtered rows, the first at the first sample; beyond the ends is nothing.

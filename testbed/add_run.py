@@ -100,7 +100,7 @@ def check_effect(rig_path: Path, kind: str, settings: Mapping[str, Any]) -> None
     pattern_of(rig, _entry(kind, settings))
 
 
-PLACED = ("sleeve", "position", "sensor", "other")
+PLACED = tuple(dict.fromkeys(key for keys in KEYS.values() for key in keys))
 """What says where an effect sits."""
 
 

@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from difflib import get_close_matches
 from math import inf
 from typing import Any
 
 from models.effects.protocol import Effect, Parameter, Place, PlaceKind
 from models.errors import InputError
 from models.rig import Beam, EffectEntry, Rig
+from models.rig_checks import nearest
 
 KEYS: Mapping[PlaceKind, tuple[str, ...]] = {
     "sleeve": ("sleeve",),
@@ -67,16 +67,11 @@ def _without_none(table: Mapping[str, Any]) -> dict[str, Any]:
 
 def _unknown(given: str, kind: str, registry: Mapping[str, type[Effect]]) -> InputError:
     """What to say of a kind that the library does not have: the nearest one, or all where none is near."""
-    near = get_close_matches(kind, registry, n=1)
+    near = nearest(kind, registry)
     if near:
-        expected = f'the nearest of the library\'s {len(registry)} kinds is "{near[0]}"'
+        expected = f'the nearest of the library\'s {len(registry)} kinds is "{near}"'
         return InputError(given, expected, "write that one, or see all with testbed effects")
     return InputError(given, f"the library has {', '.join(sorted(registry))}", "choose one of them")
-
-
-def _nearest(word: str, known: Mapping[str, Any]) -> str:
-    near = get_close_matches(word, known, n=1)
-    return f'did you mean "{near[0]}"?' if near else ""
 
 
 def _place(table: str, entry: EffectEntry, cls: type[Effect], rig: Rig) -> Place:
@@ -148,10 +143,11 @@ def _settings(table: str, entry: EffectEntry, cls: type[Effect]) -> dict[str, An
     known: dict[str, Any] = {**cls.options, **parameters}
     for key in given:
         if key not in known:
+            near = nearest(key, known)
             raise InputError(
                 f"{table}.{key} = {_shown(given[key])}",
                 f"{entry.kind} has {', '.join(known) or 'no numbers'}",
-                _nearest(key, known) or f"remove {key}",
+                f'did you mean "{near}"?' if near else f"remove {key}",
             )
     settings: dict[str, Any] = {}
     for key, choices in cls.options.items():

@@ -1,11 +1,11 @@
 """The simulators by name; an engine is loaded when it is asked for, since each takes a second or more to import."""
 
 from collections.abc import Mapping
-from difflib import get_close_matches
 from functools import cache
 from importlib import import_module
 
 from models.errors import InputError
+from models.rig_checks import nearest
 from models.simulators.protocol import Simulator
 
 SIMULATORS: Mapping[str, tuple[str, str]] = {
@@ -27,8 +27,8 @@ def simulator(name: str) -> Simulator:
         InputError: there is none of that name, or its engine is not installed.
     """
     if name not in SIMULATORS:
-        near = get_close_matches(name, SIMULATORS, n=1)
-        mend = f"did you mean {near[0]!r}?" if near else "choose one of them; docs/extending.md says how one is added"
+        near = nearest(name, SIMULATORS)
+        mend = f"did you mean {near!r}?" if near else "choose one of them; docs/extending.md says how one is added"
         raise InputError(f"simulator = {name!r}", f"the simulators are {', '.join(SIMULATORS)}", mend)
     module, owner = SIMULATORS[name]
     try:

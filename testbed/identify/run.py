@@ -108,12 +108,11 @@ def run_identification(order: Order, settings: Settings, out: Path, *, progress:
 
 def _check(order: Order, rig: Rig | None) -> None:
     """Refuse, before a record is read, a sleeve that the rig does not have or that is open, and a mass that is none."""
-    sleeves = [] if rig is None else [sleeve.name for sleeve in rig.sleeves]
-    if rig is not None and order.sleeve is not None and order.sleeve not in sleeves:
-        raise InputError(
-            f"--sleeve {order.sleeve!r}", f"the rig's sleeves are {', '.join(sleeves) or 'none'}", "name one of these"
-        )
     if rig is not None and order.sleeve is not None:
+        sleeves = [sleeve.name for sleeve in rig.sleeves]
+        if order.sleeve not in sleeves:
+            has = f"the rig's sleeves are {', '.join(sleeves) or 'none'}"
+            raise InputError(f"--sleeve {order.sleeve!r}", has, "name one of these")
         check_sleeve(rig, order.sleeve)
     if order.mass is not None and order.mass <= 0.0:
         raise InputError(f"--mass {order.mass:g}", "an equivalent mass is more than 0 kg", "leave it out if unknown")

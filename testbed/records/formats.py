@@ -1,13 +1,13 @@
 """Which suffix is which format, and how any file's failure becomes one readable error."""
 
 import warnings
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Protocol
 
 import numpy as np
 
 from models.errors import InputError
+from models.rig_checks import nearest
 from testbed.records import csv_text, hdf5, mat, npz, uff
 from testbed.records.isolation import UnreadableError
 from testbed.records.recording import AnyRecording, Recording
@@ -53,11 +53,11 @@ def format_of(path: Path) -> Format:
             "name the rig file first, and then its records",
         )
     if suffix not in FORMATS:
-        near = get_close_matches(suffix, FORMATS, n=1)
+        near = nearest(suffix, FORMATS)
         raise InputError(
             f'{path.name}: the suffix "{path.suffix}"',
             f"a record is {ONE_OF}",
-            f"rename it to {near[0]} if it is one" if near else "export the record in one of these formats",
+            f"rename it to {near} if it is one" if near else "export the record in one of these formats",
         )
     return FORMATS[suffix]
 

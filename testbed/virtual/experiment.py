@@ -1,7 +1,6 @@
 """An experiment as its TOML file describes it: what drives the rig, what listens, and what nobody mentioned."""
 
 import tomllib
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -10,6 +9,7 @@ from pydantic import Field, ValidationError
 from models.errors import InputError
 from models.excitations import Lines
 from models.rig import EffectEntry, NonNegative, Part, Positive
+from models.rig_checks import nearest
 from models.rig_file import RECORDS, not_toml
 
 Count = Annotated[int, Field(ge=1, strict=True)]
@@ -274,8 +274,8 @@ def _fault(error: ValidationError, file: str) -> InputError:
     where = f"{file}: {'.'.join(keys)}"
     if first["type"] == "extra_forbidden":
         known = _keys_beside(first["loc"])
-        near = get_close_matches(keys[-1], known, n=1)
-        mend = f"did you mean {near[0]}?" if near else FORMS.get(keys[-1], ("", "remove it"))[1]
+        near = nearest(keys[-1], known)
+        mend = f"did you mean {near}?" if near else FORMS.get(keys[-1], ("", "remove it"))[1]
         return InputError(f"{where} is unknown", f"the keys here are {', '.join(known)}", mend)
     if first["type"] == "missing":
         return InputError(f"{where} is missing", "it has no default", f"add {keys[-1]}; {LOOK}")
