@@ -39,7 +39,7 @@ from identification.judge import looks_from
 from identification.kept_aside import KeptAside, holds_on, left_of
 from identification.noise_left import NOISE_NEAR
 from identification.outcome import distinct
-from identification.reached import EXPLAINED_FAR, LEAST_SHARE, NOISE_DOUBTED, NOISE_REACHED, takes_away
+from identification.reached import EXPLAINED_FAR, LEAST_SHARE, NOISE_DOUBTED, NOISE_REACHED, is_faint, takes_away
 from identification.rounds import SCREEN_SECONDS, view_of
 from identification.scene import scenes
 from identification.screen import Projection
@@ -254,7 +254,8 @@ def _is_of_a_support(session: Session, base: Fit, law: Fit) -> bool:
     """Whether simple kinds in a general law's place leave so little that it may stand for them.
 
     A friction and a dashpot, or a spring and a dashpot, are what a support is made of: one curve holds both. The kind
-    that shows most there is fitted, then another beside it, up to the numbers that a support may have together.
+    that shows most there is fitted, then another beside it, up to the numbers that a support may have together. Where
+    the law leaves nothing but the noise, no second effect is hidden in what it leaves, and the evidence decides.
 
     Args:
         session: with the records.
@@ -272,7 +273,16 @@ def _is_of_a_support(session: Session, base: Fit, law: Fit) -> bool:
             return False
         model, begun = found, found.hypothesis
         numbers += found.hypothesis.effects[-1].n_numbers
+    if not is_faint(session.fitting, law):
+        return _better_than_several(law, model) < LEAST_EVIDENCE
     return _beyond_noise(law) > MOST_LEFT * max(_beyond_noise(model), 1.0)
+
+
+def _better_than_several(law: Fit, several: Fit) -> float:
+    """Logarithm of the odds for a model with one law in place of several effects, in the unit of what these leave."""
+    scale = misfit_of(several)
+    there, here = (sum(map(_n_numbers, model.hypothesis.effects)) for model in (several, law))
+    return log_fit(law, scale) - log_fit(several, scale) + log(SIMPLER) * (there - here)
 
 
 def _beyond_noise(found: Fit) -> float:
@@ -386,9 +396,7 @@ def _in_place_of_two(
     ahead = _ahead(_rows_in_place(session, calibrated, less, kept - (other < kept), max(WORTH_A_FIT, needed)))
     if ahead is None:
         return None
-    effects = [final.hypothesis.effects[index] for index in (kept, other)]
-    fewer = sum(map(_n_numbers, effects)) - _n_numbers(ahead.row.effect)
-    better = log_fit(ahead.row.fit, scale) - log_fit(final, scale) + log(SIMPLER) * fewer
+    better = _better_than_several(ahead.row.fit, final)
     return (ahead.row, better) if better >= LEAST_EVIDENCE else None
 
 

@@ -230,6 +230,19 @@ def test_a_curve_may_stand_for_the_kinds_of_a_support():
     assert _is_of_a_support(session, found_with(session), law)
 
 
+@pytest.mark.parametrize(
+    ("relaxing", "left", "may_be"),
+    [(RELAXING, 1.02, False), (RELAXING, 1.10, True), (replace(RELAXING, stiffness=1e3), 1.04, True)],
+    ids=["nothing but the noise", "room for a second effect", "the support leaves as little"],
+)
+def test_a_law_that_leaves_nothing_but_the_noise_is_held_against_a_support_by_evidence(relaxing, left, may_be):
+    session = beam_session(relaxing)
+    law = found_with(session, relaxing)
+    law = replace(law, chi2=left * law.n_data)
+
+    assert _is_of_a_support(session, found_with(session), law) is may_be
+
+
 def test_no_law_is_looked_for_along_an_oscillator():
     rig = oscillator("displacement")
     hidden = FallingFriction(Place(), force=5.0, speed=0.02)
