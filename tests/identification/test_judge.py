@@ -98,9 +98,9 @@ def refits(monkeypatch):
     return ratios, asked
 
 
-def refitted(sketches):
+def refitted(sketches, base=BASE, known=()):
     evaluator = evaluator_of(measured(Hypothesis(REFERENCE), multisine(512)))
-    return finals(sketches, evaluator, BASE, {}, lambda _: None)
+    return finals(sketches, evaluator, base, {}, lambda _: None, known=known)
 
 
 @pytest.mark.parametrize("left", [1.0, 1.3])
@@ -175,6 +175,32 @@ def test_while_none_reaches_the_noise_all_are_refitted(refits):
 
     assert asked == ["point_mass", "point_damping"]
     assert [r.effect.kind for r in rows] == ["point_damping", "point_mass"]
+
+
+FAR = fit_of(MASS, 40_000.0)
+LITTLE = sketch(PointDamping(HERE, damping=1.0), 0.2)
+
+
+@pytest.mark.parametrize(("left", "others"), [(2.0, []), (6.0, ["point_damping"])])
+def test_what_takes_next_to_nothing_beside_what_a_refit_takes_is_not_refitted(refits, left, others):
+    """And where the refit of the best one itself takes little, sketches say little."""
+    ratios, asked = refits
+    ratios.update(point_mass=left, point_damping=1.5)
+
+    rows = refitted([sketch(MASS, 0.9), LITTLE], FAR)
+
+    assert asked == ["point_mass", *others]
+    assert {row.effect.kind for row in rows} == set(asked)
+
+
+@pytest.mark.parametrize(("left", "asked_for"), [(2.0, []), (6.0, ["point_damping"])])
+def test_what_was_refitted_in_an_earlier_look_counts_too(refits, left, asked_for):
+    ratios, asked = refits
+    ratios.update(point_damping=1.5)
+
+    refitted([LITTLE], FAR, known=[Ranked.of(fit_of(MASS, 1000.0 * left**2))])
+
+    assert asked == asked_for
 
 
 def test_those_that_fit_nearly_alike_are_fitted_to_the_end(refits, monkeypatch):
