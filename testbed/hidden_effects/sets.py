@@ -579,14 +579,14 @@ REPORTED = CaseSet(
             more_outside=True,
             turned=4,
         ),
-        62801: Batch(
-            "c017f4c",
+        63907: Batch(
+            "443ad85",
             run="Two threads, one case at a time with the machine to itself, whose speed others on its host change.",
-            first_kind="wear",
+            first_kind="sensor_gain",
             first_law="broken_spring",
             n_laws=9,
             more_outside=True,
-            turned=5,
+            turned=6,
         ),
     },
     shape=0.7,
