@@ -19,7 +19,6 @@ from math import log
 import numpy as np
 
 from identification.acceptance import finite_first, fit_without, passing
-from identification.established import OF_A_SUPPORT
 from identification.evaluate import Evaluator
 from identification.evidence import (
     LEAST_EVIDENCE,
@@ -33,13 +32,13 @@ from identification.evidence import (
 from identification.exchange import fit_at
 from identification.fit import Fit
 from identification.hypothesis import free_place
-from identification.in_its_place import has_fewer, judged_beside, refit, refit_sketched, seen_at, without_last
-from identification.in_step import tried_with
+from identification.in_its_place import judged_beside, refit_sketched
 from identification.judge import looks_from
 from identification.kept_aside import KeptAside, holds_on, left_of
 from identification.noise_left import NOISE_NEAR
+from identification.of_a_support import MOST_LEFT, beyond_noise, is_of_a_support
 from identification.outcome import distinct
-from identification.reached import EXPLAINED_FAR, LEAST_SHARE, NOISE_DOUBTED, NOISE_REACHED, is_faint, takes_away
+from identification.reached import EXPLAINED_FAR, LEAST_SHARE, NOISE_DOUBTED, NOISE_REACHED, takes_away
 from identification.rounds import SCREEN_SECONDS, view_of
 from identification.scene import scenes
 from identification.screen import Projection
@@ -194,19 +193,14 @@ def _held_against(session: Session, base: Fit, ranked: list[Ranked], rows: Seque
         return ranked
     ahead = _ahead(rows)
     if ahead is not None:
-        nearest = min(_beyond_noise(ahead.stood), _beyond_noise(ranked[0].fit))
-        clear = ahead.by >= LEAST_EVIDENCE and _beyond_noise(ahead.row.fit) <= MOST_LEFT * max(nearest, 1.0)
+        nearest = min(beyond_noise(ahead.stood), beyond_noise(ranked[0].fit))
+        clear = ahead.by >= LEAST_EVIDENCE and beyond_noise(ahead.row.fit) <= MOST_LEFT * max(nearest, 1.0)
         lasts = clear and session.holds(ahead.row.fit.hypothesis) and passing(session, base, ahead.row) is None
-        if lasts and not _is_of_a_support(session, base, ahead.row.fit):
+        if lasts and not is_of_a_support(session, base, ahead.row.fit):
             _end(session, ahead.in_words)
             return ranked
     found = distinct(ranked_together([row for row in rows if not _is_general(row)], ranked))
     return finite_first(session, found)
-
-
-MOST_LEFT = 0.1
-"""Share of the squared misfit beyond the noise, as the best of the library leaves it, up to which a general law that
-leaves it ends the search: a small second effect may be all that is left, of which a curve takes some."""
 
 
 def _rows_anywhere(session: Session, base: Fit, best: Ranked) -> list[Ranked]:
@@ -234,7 +228,7 @@ def _rows_anywhere(session: Session, base: Fit, best: Ranked) -> list[Ranked]:
         view = view_of(session.searching(base), session.limits, base, GENERAL_LAWS, SCREEN_SECONDS, 2)
         sketches = looks_from(base)[0](view, base, session.progress)
         law = refit_sketched(fitting, base, sketches[0].fit.hypothesis) if sketches else None
-        if law is None or not _explains(base, law) or _beyond_noise(law) > MOST_LEFT * _beyond_noise(best.fit):
+        if law is None or not _explains(base, law) or beyond_noise(law) > MOST_LEFT * beyond_noise(best.fit):
             return []
         label = law.hypothesis.effects[-1].label()
         session.progress(f"{label} leaves {law.ratio:.2f} times the noise; kinds of the library are tried there")
@@ -248,46 +242,6 @@ def _rows_anywhere(session: Session, base: Fit, best: Ranked) -> list[Ranked]:
 def _explains(base: Fit, law: Fit) -> bool:
     """Whether a law reaches the noise, or takes away as much as an effect far from it has to."""
     return law.ratio <= NOISE_REACHED or takes_away(base, law) >= EXPLAINED_FAR
-
-
-def _is_of_a_support(session: Session, base: Fit, law: Fit) -> bool:
-    """Whether simple kinds in a general law's place leave so little that it may stand for them.
-
-    A friction and a dashpot, or a spring and a dashpot, are what a support is made of: one curve holds both. The kind
-    that shows most there is fitted, then another beside it, up to the numbers that a support may have together. Where
-    the law leaves nothing but the noise, no second effect is hidden in what it leaves, and the evidence decides.
-
-    Args:
-        session: with the records.
-        base: the model without effects.
-        law: the general one.
-    """
-    place, kinds = law.hypothesis.effects[-1].place, session.kinds_at_a_place(base.hypothesis.rig)
-    model, begun, numbers = base, without_last(law.hypothesis), 0
-    while numbers < OF_A_SUPPORT:
-        most = min(OF_A_SUPPORT - 1, OF_A_SUPPORT - numbers)
-        simple = {name: kind for name, kind in kinds.items() if has_fewer(kind, most + 1)}
-        seen = seen_at(place.position, session.fitting, model, begun, simple)
-        found = refit(session.fitting, model, tried_with(session.fitting, begun, seen[0].effect)) if seen else None
-        if found is None:
-            return False
-        model, begun = found, found.hypothesis
-        numbers += found.hypothesis.effects[-1].n_numbers
-    if not is_faint(session.fitting, law):
-        return _better_than_several(law, model) < LEAST_EVIDENCE
-    return _beyond_noise(law) > MOST_LEFT * max(_beyond_noise(model), 1.0)
-
-
-def _better_than_several(law: Fit, several: Fit) -> float:
-    """Logarithm of the odds for a model with one law in place of several effects, in the unit of what these leave."""
-    scale = misfit_of(several)
-    there, here = (sum(map(_n_numbers, model.hypothesis.effects)) for model in (several, law))
-    return log_fit(law, scale) - log_fit(several, scale) + log(SIMPLER) * (there - here)
-
-
-def _beyond_noise(found: Fit) -> float:
-    """Squared misfit beyond the noise."""
-    return max(found.chi2 - found.n_data, 0.0)
 
 
 def law_beyond(session: Session, calibrated: Fit, final: Fit) -> Beyond | None:
@@ -396,7 +350,9 @@ def _in_place_of_two(
     ahead = _ahead(_rows_in_place(session, calibrated, less, kept - (other < kept), max(WORTH_A_FIT, needed)))
     if ahead is None:
         return None
-    better = _better_than_several(ahead.row.fit, final)
+    effects = [final.hypothesis.effects[index] for index in (kept, other)]
+    fewer = sum(map(_n_numbers, effects)) - _n_numbers(ahead.row.effect)
+    better = log_fit(ahead.row.fit, scale) - log_fit(final, scale) + log(SIMPLER) * fewer
     return (ahead.row, better) if better >= LEAST_EVIDENCE else None
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from operator import attrgetter
 
 from identification.calibrate import beginning, calibrate, pulled, set_in_motion
 from identification.detail import in_more_detail
@@ -23,7 +24,7 @@ from identification.noise_left import NOISE_NEAR
 from identification.onset import of_whole
 from identification.pieces import fit_from_own_starts
 from identification.progress import Progress
-from identification.reached import is_faint
+from identification.reached import is_faint, takes_away
 from identification.sketch import (
     FAR_BEHIND,
     HEATS,
@@ -174,8 +175,7 @@ def finals(
 ) -> list[Ranked]:
     """The best sketches refitted, but for those that plainly stay above the noise that another has reached.
 
-    Nor is refitted what takes next to nothing away beside what another has: from a sketch on a part of the records to
-    a refit on all of them the share hardly changes.
+    Nor is refitted what takes next to nothing away beside what a refit has (``_is_next_to_nothing``).
 
     Args:
         sketches: of suspects.
@@ -197,7 +197,10 @@ def finals(
         if leader is not None and _is_out(sketch, leader[0]):
             beaten.append((sketch.fit, max(sketch.fit.ratio / leader[0].fit.ratio, RULED_OUT)))
             continue
-        if sketch.share < HOPELESS * _most_taken(base, [*known, *ranked]):
+        behind = None if sketch in done else _next_to_nothing(sketch, base, [*known, *ranked])
+        if behind is not None:
+            progress(f"{sketch.effect.label()} takes next to nothing away and is not refitted")
+            beaten.append((sketch.fit, behind))
             continue
         if sketch not in done:
             progress(_refitting(sketch, fitting))
@@ -216,27 +219,44 @@ def finals(
             ranked.append(Ranked.of(result, sketch=sketch.fit))
             if _leads(result, sketch) and (leader is None or result.ratio < leader[1].fit.ratio):
                 leader = (sketch, Leader(result, fitting))
-    return _with_beaten(with_others_there(fitting, base, with_evidence(ranked), registry, progress), beaten)
+    ordered = with_others_there(fitting, base, with_evidence(ranked), registry, progress)
+    return [*ordered, *_beaten_rows(ordered or known, beaten)]
 
 
-def _with_beaten(ordered: list[Ranked], beaten: Sequence[tuple[Fit, float]]) -> list[Ranked]:
-    """The ranking, and behind it what stays so many times as far off as the first of it on a part of the records."""
+def _beaten_rows(ordered: Sequence[Ranked], beaten: Sequence[tuple[Fit, float]]) -> list[Ranked]:
+    """Rows of what was not refitted: so many times as far off as the first of a ranking."""
+    rows: list[Ranked] = []
     for fit_there, farther in beaten:
         behind = 0.5 * (farther**2 - 1.0) * ordered[0].fit.chi2 / misfit_in_common(ordered)
         evidence = ordered[0].log_evidence - behind
-        ordered.append(Ranked(fit_there.hypothesis.effects[-1], fit_there, refitted=False, log_evidence=evidence))
-    return ordered
+        rows.append(Ranked(fit_there.hypothesis.effects[-1], fit_there, refitted=False, log_evidence=evidence))
+    return rows
 
 
-HOPELESS = 0.25
-"""A sketch that takes away less than this share of what a refit has is not refitted. Of 40 sketches in five cases
-the share of the cost that was taken away grew by 0.15 at most when they were refitted; those that are left out took up
-to two fifths of a search."""
+NEXT_TO_NOTHING, GROWTH = 0.25, 0.15
+"""Share of what a refit has taken of the misfit beyond the noise, up to which a sketch that takes it away is not
+refitted, and what a sketch must stay behind by at least. Of 40 sketches in five hidden cases the share of the cost grew
+by 0.15 at most when they were refitted; those that are left out now took up to two fifths of a search."""
 
 
-def _most_taken(base: Fit, ranked: Sequence[Ranked]) -> float:
-    """The largest share of the cost that any refit has taken away, as ``Sketch.share`` counts it."""
-    return max((1.0 - row.fit.cost / base.cost for row in ranked if row.refitted), default=0.0)
+def _next_to_nothing(sketch: Sketch, base: Fit, rows: Sequence[Ranked]) -> float | None:
+    """Times as far off as the best refit, of a sketch that takes next to nothing away beside it; None for others.
+
+    Where the model without the suspect nearly reaches the noise on the sketch's part of the records, that tells little.
+
+    Args:
+        sketch: of a suspect.
+        base: the model without it, on the records of the refits.
+        rows: of suspects, the refitted among them.
+    """
+    refitted = [row.fit for row in rows if row.refitted]
+    if not refitted or sketch.base.ratio <= EXPLAINED:
+        return None
+    best = min(refitted, key=attrgetter("cost"))
+    most = takes_away(base, best)
+    if takes_away(sketch.base, sketch.fit) >= min(NEXT_TO_NOTHING * most, most - GROWTH):
+        return None
+    return max(RULED_OUT, sketch.fit.ratio / sketch.base.ratio * base.ratio / best.ratio)
 
 
 def _leads(result: Fit, sketch: Sketch) -> bool:
@@ -269,7 +289,7 @@ def _best(sketches: Sequence[Sketch], most: int) -> list[Sketch]:
 
 
 LEAST_REFITS = 3
-"""Finalists at least, however far behind."""
+"""Finalists at least, however far behind on their part of the records."""
 
 
 def restarted(evaluator: Evaluator, base: Fit, found: Fit) -> Fit:

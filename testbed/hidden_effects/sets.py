@@ -569,7 +569,8 @@ REPORTED = CaseSet(
         61703: Batch(
             "75f2f4b",
             8,
-            taught="nothing: the one that is wrong, friction one way only in a chaotic rig, is as those before it",
+            taught="that a law which leaves no more than the noise ends the search: the first took 22 minutes; the one "
+            "that is wrong, friction one way only in a chaotic rig, is as those before it",
             run="Two threads, one case at a time with the machine to itself, whose speed others on its host change; "
             "tests ran beside a part of the first, outside, which took 22 minutes, and of the second. Ended by hand "
             "when what a reader had found was mended, as the ninth was drawn.",

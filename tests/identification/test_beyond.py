@@ -11,7 +11,6 @@ from trial_records import REFERENCE, beam_session, evaluator_of, found_with, mea
 from identification.beyond import (
     LEAST_WHERE_MISSED,
     _in_place_of_two,
-    _is_of_a_support,
     is_beyond_library,
     is_beyond_where_missed,
     law_beyond,
@@ -220,27 +219,6 @@ def test_a_friction_and_a_dashpot_at_one_support_are_not_one_law():
     with_what_is_seen_along(session, found_with(session), ranked)
 
     assert not session.is_beyond
-
-
-def test_a_curve_may_stand_for_the_kinds_of_a_support():
-    """And not where it ends the search above the noise, as a friction that falls does."""
-    session = beam_session(FRICTION, DASHPOT, rms=4.0)
-    law = found_with(session, SpeedCurve.with_values(scene_there(), (0.1, 0.1, 0.1, 0.1, 0.1)))
-
-    assert _is_of_a_support(session, found_with(session), law)
-
-
-@pytest.mark.parametrize(
-    ("relaxing", "left", "may_be"),
-    [(RELAXING, 1.02, False), (RELAXING, 1.10, True), (replace(RELAXING, stiffness=1e3), 1.04, True)],
-    ids=["nothing but the noise", "room for a second effect", "the support leaves as little"],
-)
-def test_a_law_that_leaves_nothing_but_the_noise_is_held_against_a_support_by_evidence(relaxing, left, may_be):
-    session = beam_session(relaxing)
-    law = found_with(session, relaxing)
-    law = replace(law, chi2=left * law.n_data)
-
-    assert _is_of_a_support(session, found_with(session), law) is may_be
 
 
 def test_no_law_is_looked_for_along_an_oscillator():

@@ -30,8 +30,11 @@ MASS = PointMass(HERE, mass=0.3)
 BASE = fit_of(MASS, 1000.0)
 
 
-def sketch(effect, share):
-    return Sketch(BASE, fit_of(effect, 1000.0 * (1.0 - share)), effect)
+FAR = fit_of(MASS, 40_000.0)
+
+
+def sketch(effect, share, base=BASE):
+    return Sketch(base, fit_of(effect, base.chi2 * (1.0 - share)), effect)
 
 
 def kinds(sketches):
@@ -98,9 +101,9 @@ def refits(monkeypatch):
     return ratios, asked
 
 
-def refitted(sketches, base=BASE, known=()):
+def refitted(sketches, base=BASE, **known):
     evaluator = evaluator_of(measured(Hypothesis(REFERENCE), multisine(512)))
-    return finals(sketches, evaluator, base, {}, lambda _: None, known=known)
+    return finals(sketches, evaluator, base, {}, lambda _: None, **known)
 
 
 @pytest.mark.parametrize("left", [1.0, 1.3])
@@ -167,18 +170,17 @@ def test_shares_of_other_records_are_not_held_against_each_other(refits):
     assert asked == ["point_mass", "wear"]
 
 
-def test_while_none_reaches_the_noise_all_are_refitted(refits):
+def test_while_none_reaches_the_noise_all_that_take_much_are_refitted(refits):
     ratios, asked = refits
     ratios.update(point_mass=2.0, point_damping=1.5)
 
-    rows = refitted([sketch(MASS, 0.9), sketch(PointDamping(HERE, damping=1.0), 0.1)])
+    rows = refitted([sketch(MASS, 0.9, FAR), sketch(PointDamping(HERE, damping=1.0), 0.4, FAR)], FAR)
 
     assert asked == ["point_mass", "point_damping"]
     assert [r.effect.kind for r in rows] == ["point_damping", "point_mass"]
 
 
-FAR = fit_of(MASS, 40_000.0)
-LITTLE = sketch(PointDamping(HERE, damping=1.0), 0.2)
+LITTLE = sketch(PointDamping(HERE, damping=1.0), 0.2, FAR)
 
 
 @pytest.mark.parametrize(("left", "others"), [(2.0, []), (6.0, ["point_damping"])])
@@ -187,10 +189,11 @@ def test_what_takes_next_to_nothing_beside_what_a_refit_takes_is_not_refitted(re
     ratios, asked = refits
     ratios.update(point_mass=left, point_damping=1.5)
 
-    rows = refitted([sketch(MASS, 0.9), LITTLE], FAR)
+    rows = refitted([sketch(MASS, 0.9, FAR), LITTLE], FAR)
 
     assert asked == ["point_mass", *others]
-    assert {row.effect.kind for row in rows} == set(asked)
+    kept = {row.effect.kind: row.refitted for row in rows}
+    assert kept == {"point_mass": True, "point_damping": bool(others)}  # it stays in the ranking, behind
 
 
 @pytest.mark.parametrize(("left", "asked_for"), [(2.0, []), (6.0, ["point_damping"])])
@@ -198,9 +201,31 @@ def test_what_was_refitted_in_an_earlier_look_counts_too(refits, left, asked_for
     ratios, asked = refits
     ratios.update(point_damping=1.5)
 
-    refitted([LITTLE], FAR, known=[Ranked.of(fit_of(MASS, 1000.0 * left**2))])
+    first = Ranked.of(fit_of(MASS, 1000.0 * left**2))
+    (row,) = refitted([LITTLE], FAR, known=[first])
 
     assert asked == asked_for
+    assert row.refitted or row.log_evidence < first.log_evidence
+
+
+def test_a_part_on_which_little_is_missing_rules_nothing_out(refits):
+    ratios, asked = refits
+    ratios.update(point_mass=2.0, point_damping=1.5)
+    quiet = fit_of(MASS, 1000.0 * 1.2**2)
+
+    refitted([sketch(MASS, 0.9, FAR), sketch(PointDamping(HERE, damping=1.0), 0.01 + LITTLE.share / 9.0, quiet)], FAR)
+
+    assert asked == ["point_mass", "point_damping"]
+
+
+def test_what_is_refitted_already_is_not_thrown_away(refits):
+    ratios, asked = refits
+    ratios.update(point_mass=2.0)
+
+    rows = refitted([sketch(MASS, 0.9, FAR), LITTLE], FAR, refits={LITTLE: fit_of(LITTLE.effect, 1200.0)})
+
+    assert asked == ["point_mass"]
+    assert [(row.effect.kind, row.refitted) for row in rows] == [("point_damping", True), ("point_mass", True)]
 
 
 def test_those_that_fit_nearly_alike_are_fitted_to_the_end(refits, monkeypatch):
