@@ -109,6 +109,7 @@ def fit(
     max_iterations: int = 12,
     jacobian: FloatArray | None = None,
     keep: bool = False,
+    along_steps: bool = False,
     precise: bool = False,
     formed: bool = False,
     tolerance: float = 2e-4,
@@ -123,6 +124,7 @@ def fit(
         max_iterations: of Levenberg and Marquardt; a step without differences counts for less.
         jacobian: (n_kept, n_data) columns of the first unknowns, known from an earlier fit nearby.
         keep: never form the columns in ``jacobian`` anew; a quick look, not the minimum.
+        along_steps: these follow what the steps show, where they are not formed anew.
         precise: go on where no step brings anything, with next to no damping, and end with differences taken where the
             fit ends, of which covariances and evidence can be formed.
         formed: ``jacobian`` has all columns, and they were formed where the fit begins.
@@ -136,10 +138,7 @@ def fit(
     unknowns = tuple(unknown for unknown in unknowns if unknown.record is None or unknown.record in there)
     prior = prior_of(unknowns)
     state = _start(evaluator, hypothesis, unknowns, prior)
-    rows = np.zeros((len(unknowns), evaluator.n_data))
-    kept = 0 if jacobian is None else len(jacobian)
-    if jacobian is not None:
-        rows[:kept] = jacobian
+    rows, kept = _known_rows(jacobian, (len(unknowns), evaluator.n_data))
     _differentiate(evaluator, state, unknowns, rows, range(kept, len(unknowns)), like)
     fresh, follow, near, curved, damping = formed or kept == 0, False, False, False, FAR_DAMPING
     kept, spent = 0 if formed else kept, 0.0
@@ -164,9 +163,9 @@ def fit(
         follow = not (refresh_all or kept or curved) and FOLLOWED_SHARE < share < 1.0 / FOLLOWED_SHARE
         follow = follow and spent < max_iterations
         first = 0 if refresh_all else kept
-        if follow:
+        if follow or along_steps:
             _along_step(evaluator, rows, state.x - before.x, state.residual - before.residual)
-        else:
+        if not follow:
             _differentiate(evaluator, state, unknowns, rows, range(first, len(unknowns)))
         if near:
             _along_valleys(evaluator, state, unknowns, rows)
@@ -188,6 +187,14 @@ def fit(
         inverse_of(normal),
         evaluator.repeats,
     )
+
+
+def _known_rows(jacobian: FloatArray | None, shape: tuple[int, int]) -> tuple[FloatArray, int]:
+    """Rows for all slopes, of which the first are known, and how many."""
+    rows, kept = np.zeros(shape), 0 if jacobian is None else len(jacobian)
+    if jacobian is not None:
+        rows[:kept] = jacobian
+    return rows, kept
 
 
 LOOK, LOOK_TOLERANCE = 5, 0.02

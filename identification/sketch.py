@@ -33,9 +33,10 @@ HEATS: tuple[Heat, ...] = ((0.02, 0.4, 14), (0.1, 0.75, 10))
 ITERATIONS_ALONE, ITERATIONS, TOLERANCE = 3, 5, 2e-2
 """Of the suspect by itself, while the rig's numbers are held, and then of all: else these are pulled away first."""
 
-ITERATIONS_TOGETHER, ITERATIONS_FOLLOWED, ITERATIONS_LASTING = 8, 15, 20
-"""Of all at once, from numbers that are near; more of the few that are followed from a beginning that one of them
-explains, and of the few kinds that act over the length of a record."""
+ITERATIONS_NEAR, ITERATIONS_TOGETHER, ITERATIONS_FOLLOWED, ITERATIONS_LASTING = 14, 8, 15, 20
+"""Of all at once, from numbers that are near: with slopes of the rig's numbers that follow the steps, and formed anew;
+more of the few that are followed from a beginning that one of them explains, and of the few kinds that act over the
+length of a record."""
 
 MOST_RIVALS = 8
 """Rivals fitted in a heat."""
@@ -261,7 +262,7 @@ def _sketched(ground: Ground, suspect: Hypothesis, *, near: bool, own_slopes: bo
     if own_slopes:
         return _tried(evaluator, suspect, unknowns, ITERATIONS_FOLLOWED)
     if near:
-        return _tried(evaluator, suspect, unknowns, ITERATIONS_TOGETHER, ground.slopes)
+        return _tried(evaluator, suspect, unknowns, ITERATIONS_NEAR, ground.slopes, keep=True)
     alone = _tried(evaluator, suspect, own, ITERATIONS_ALONE)
     return alone and _tried(evaluator, alone.hypothesis, unknowns, ITERATIONS, ground.slopes)
 
@@ -408,9 +409,20 @@ def _tried(
     unknowns: Sequence[Unknown],
     iterations: int,
     jacobian: FloatArray | None = None,
+    *,
+    keep: bool = False,
 ) -> Fit | None:
-    """A quick fit, or None where the model to start from diverges."""
+    """A quick fit, or None where the model to start from diverges; slopes that it keeps follow its steps."""
     try:
-        return fit(evaluator, start, unknowns, max_iterations=iterations, jacobian=jacobian, tolerance=TOLERANCE)
+        return fit(
+            evaluator,
+            start,
+            unknowns,
+            max_iterations=iterations,
+            jacobian=jacobian,
+            keep=keep,
+            along_steps=keep,
+            tolerance=TOLERANCE,
+        )
     except ArithmeticError:
         return None

@@ -336,6 +336,19 @@ def test_known_columns_are_not_formed_again():
     )
 
 
+def test_columns_that_are_kept_may_follow_the_steps():
+    """Of a model nearby whose slopes are turned: they are learnt on the way, and the same steps lead farther."""
+    unknowns, true = tuple(Number(name) for name in NAMES), np.array([0.5, -0.3, 0.4])
+    turned = MATRIX.T + 0.5 * np.roll(MATRIX.T, 1, axis=0)
+    off = {}
+    for along_steps in (False, True):
+        known = Linear(MATRIX, MATRIX @ true, unknowns)
+        found = fit(known, NOWHERE, unknowns, jacobian=turned, keep=True, along_steps=along_steps, max_iterations=6)
+        off[along_steps] = float(np.linalg.norm([u.get(found.hypothesis) for u in unknowns] - true))
+
+    assert off[True] < 0.1 * off[False]
+
+
 def test_a_misfit_widens_the_intervals():
     unknowns = (Number("a"),)
     small = fit(Linear(np.ones((50, 1)) * 10, np.zeros(50), unknowns), NOWHERE, unknowns)
