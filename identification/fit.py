@@ -2,7 +2,7 @@
 
 Levenberg and Marquardt's method. Differences for all columns of the Jacobian cost many times what a step does, so the
 columns follow what the steps show (``_along_step``), and are formed anew where a step does not bring what it promised,
-and where the fit ends. Columns that another fit has formed are kept as they are until then.
+and where the fit ends. Columns that another fit has formed are kept as they are until then, or follow the steps too.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence

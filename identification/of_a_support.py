@@ -1,9 +1,12 @@
 """Whether a law more general than any of the library stands for the simple kinds that a support is made of."""
 
+from math import log
+
 from identification.acceptance import is_explained
 from identification.established import OF_A_SUPPORT
-from identification.evidence import LEAST_EVIDENCE, log_fit, misfit_of
-from identification.fit import Fit, fit
+from identification.evidence import LEAST_EVIDENCE, SIMPLER, log_fit, misfit_of
+from identification.fit import Fit, fit_to_its_end
+from identification.hypothesis import free_place
 from identification.in_its_place import has_fewer, refit, seen_at, without_last
 from identification.in_step import tried_with
 from identification.reached import is_faint
@@ -35,16 +38,27 @@ def is_of_a_support(session: Session, base: Fit, law: Fit) -> bool:
     found = [_support(session, base, law, first) for first in range(FIRST_OF_A_SUPPORT)]
     supports = [support for support in found if support is not base]
     if not is_explained(session, law):
-        return any(beyond_noise(law) > MOST_LEFT * max(beyond_noise(support), 1.0) for support in supports)
-    fits = [fit(session.fitting, one.hypothesis, one.unknowns, precise=True, like=one) for one in supports]
+        return any(_leaves_as_little(session, support, law) for support in supports)
+    fits = [fit_to_its_end(session.fitting, one.hypothesis, one.unknowns, like=one) for one in supports]
     return any(_is_as_likely(session, support, law) for support in fits)
 
 
+def _leaves_as_little(session: Session, support: Fit, law: Fit) -> bool:
+    """Whether a support reaches the noise, or leaves so little beyond it that the law may stand for it."""
+    is_met = not is_faint(session.fitting, support)
+    return is_met or beyond_noise(law) > MOST_LEFT * max(beyond_noise(support), 1.0)
+
+
 def _is_as_likely(session: Session, support: Fit, law: Fit) -> bool:
-    """Whether a support reaches the noise too, or the law in its place is not clearly likelier."""
-    scale = misfit_of(support)
-    better = log_fit(law, scale) - log_fit(support, scale)
+    """Whether a support reaches the noise too, or the law in its place is not clearly likelier, its numbers counted."""
+    scale, more = misfit_of(support), max(_n_numbers(law) - _n_numbers(support), 0)
+    better = log_fit(law, scale) - log_fit(support, scale) - log(SIMPLER) * more
     return not is_faint(session.fitting, support) or better < LEAST_EVIDENCE
+
+
+def _n_numbers(model: Fit) -> int:
+    """Numbers of all effects that a fit determines, with their places."""
+    return sum(effect.n_numbers + free_place(effect) for effect in model.hypothesis.effects)
 
 
 def _support(session: Session, base: Fit, law: Fit, first: int) -> Fit:

@@ -102,7 +102,7 @@ def heats(
     for number, (share, seconds, most) in enumerate(schedule):
         ground = ground_of(beginning(evaluator, share, seconds), start, base)
         sketches = sketched(ground, starts, near=near, own_slopes=noise_reached)
-        if number == 0 and not any(sketch.fit.ratio < REACHED for sketch in sketches):
+        if (number == 0 or near) and not any(sketch.fit.ratio < REACHED for sketch in sketches):
             sketches = grown_from_bare(ground, sketches)
         sketches = apart(sketches)
         # Beside numbers that are nearly right the shortest part tells who is worth a sketch on more.

@@ -26,6 +26,7 @@ from models.effects.wear import Wear
 from models.simulate import Settings
 
 HERE = Place(position=0.7)
+SLEEVES = ("sleeve 1", 0.45), ("sleeve 2", 1.0)
 MASS = PointMass(HERE, mass=0.3)
 BASE = fit_of(MASS, 1000.0)
 
@@ -148,7 +149,7 @@ def test_kinds_in_time_which_are_sketched_on_other_records_take_no_others_place(
         PointStiffness(HERE, stiffness=1.0),
         SensorGain(Place(sensor="P3"), gain=0.5),
     ]
-    lasting = [Wear(Place(sleeve=name, position=x), rate=1e-6) for name, x in (("sleeve 1", 0.45), ("sleeve 2", 1.0))]
+    lasting = [Wear(Place(sleeve=name, position=x), rate=1e-6) for name, x in SLEEVES]
     ratios.update(dict.fromkeys([effect.kind for effect in (*instant, *lasting)], 2.0))
     assert len(instant) == FINALISTS
 
@@ -181,31 +182,47 @@ def test_while_none_reaches_the_noise_all_that_take_much_are_refitted(refits):
 
 
 LITTLE = sketch(PointDamping(HERE, damping=1.0), 0.2, FAR)
+LESS = sketch(PointDamping(HERE, damping=1.0), 0.02, FAR)
+MUCH = sketch(MASS, 0.9, FAR)
 
 
-@pytest.mark.parametrize(("left", "others"), [(2.0, []), (6.0, ["point_damping"])])
-def test_what_takes_next_to_nothing_beside_what_a_refit_takes_is_not_refitted(refits, left, others):
+@pytest.mark.parametrize(("behind", "left", "others"), [(LITTLE, 2.0, []), (LESS, 6.0, ["point_damping"])])
+def test_what_takes_next_to_nothing_beside_what_a_refit_takes_is_not_refitted(refits, behind, left, others):
     """And where the refit of the best one itself takes little, sketches say little."""
     ratios, asked = refits
     ratios.update(point_mass=left, point_damping=1.5)
 
-    rows = refitted([sketch(MASS, 0.9, FAR), LITTLE], FAR)
+    rows = refitted([MUCH, behind], FAR)
 
     assert asked == ["point_mass", *others]
     kept = {row.effect.kind: row.refitted for row in rows}
     assert kept == {"point_mass": True, "point_damping": bool(others)}  # it stays in the ranking, behind
 
 
-@pytest.mark.parametrize(("left", "asked_for"), [(2.0, []), (6.0, ["point_damping"])])
-def test_what_was_refitted_in_an_earlier_look_counts_too(refits, left, asked_for):
+def test_it_may_be_refitted_from_elsewhere(refits):
+    """Where a later look finds it to take much."""
     ratios, asked = refits
-    ratios.update(point_damping=1.5)
+    ratios.update(point_mass=2.0, point_damping=1.5)
+    known = refitted([MUCH, LITTLE], FAR)
+    asked.clear()
 
-    first = Ranked.of(fit_of(MASS, 1000.0 * left**2))
-    (row,) = refitted([LITTLE], FAR, known=[first])
+    rows = refitted([sketch(LITTLE.effect, 0.9, FAR)], FAR, known=known)
 
-    assert asked == asked_for
-    assert row.refitted or row.log_evidence < first.log_evidence
+    assert asked == ["point_damping"]
+    assert [(row.effect.kind, row.refitted) for row in rows] == [("point_damping", True)]
+
+
+def test_the_best_of_each_family_is_refitted_in_each_look(refits):
+    ratios, asked = refits
+    ratios.update(point_damping=1.5, wear=1.5)
+    first = Ranked.of(fit_of(MASS, 4000.0))
+    worn = [sketch(Wear(Place(sleeve=name, position=x), rate=1e-6), 0.1, FAR) for name, x in SLEEVES]
+
+    rows = refitted([LITTLE, LESS, *worn], FAR, known=[first])
+
+    assert asked == ["point_damping", "wear"]
+    assert [row.refitted for row in rows] == [True, True, False]
+    assert all(row.log_evidence < first.log_evidence for row in rows if not row.refitted)
 
 
 def test_a_part_on_which_little_is_missing_rules_nothing_out(refits):
@@ -222,7 +239,7 @@ def test_what_is_refitted_already_is_not_thrown_away(refits):
     ratios, asked = refits
     ratios.update(point_mass=2.0)
 
-    rows = refitted([sketch(MASS, 0.9, FAR), LITTLE], FAR, refits={LITTLE: fit_of(LITTLE.effect, 1200.0)})
+    rows = refitted([MUCH, LITTLE], FAR, refits={LITTLE: fit_of(LITTLE.effect, 1200.0)})
 
     assert asked == ["point_mass"]
     assert [(row.effect.kind, row.refitted) for row in rows] == [("point_damping", True), ("point_mass", True)]

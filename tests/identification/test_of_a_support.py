@@ -45,6 +45,13 @@ def test_so_it_may_where_it_leaves_nothing_beyond_the_noise(support):
     assert is_of_a_support(session, base, leaving(law, 1.0))
 
 
+def test_so_it_may_where_the_error_is_not_that_of_the_noise(support):
+    """A loud line that is missed weighs little among all: then no law is asked for its odds."""
+    session, base, law = support
+    loud = replace(leaving(law, 1.0), residual=2.0 * law.residual)
+    assert is_of_a_support(session, base, loud)
+
+
 @pytest.fixture(scope="module")
 def relaxing():
     """A session in which a spring that relaxes is hidden, the model without it, that law, and what a support leaves."""
