@@ -581,7 +581,7 @@ REPORTED = CaseSet(
             turned=4,
         ),
         63907: Batch(
-            "81626f2",
+            "c6f5cdf",
             run="Two threads, one case at a time with the machine to itself, whose speed others on its host change.",
             first_kind="sensor_gain",
             first_law="broken_spring",
