@@ -91,6 +91,12 @@ def test_its_limits_count_as_the_results_do():
     assert f"{alone['one effect']:.0f} s with one effect" in limits
     two, none = (round(alone[name] / 60.0) for name in ("two effects", "outside the library"))
     assert f"{two} minutes with two and {none} where none explains" in limits
+    cores = {name: row["median"] for name, row in results["newest"]["seconds_on_cores"].items()}
+    told = "{:.0f} s with nothing hidden, {:.0f} s with one effect, {:.0f} s with two and {:.0f} s with a law outside"
+    assert (
+        told.format(*(cores[name] for name in ("nothing hidden", "one effect", "two effects", "outside the library")))
+        in limits
+    )
     aside = sum(cases for cases, _ in BEFORE.values())
     assert f"{aside} cases of other diagnoses are not counted" in README
 

@@ -9,6 +9,7 @@ from testbed.hidden_effects.judge import LARGEST_GROUP, NEAR
 from testbed.hidden_effects.plan import NOTHING, OUTSIDE
 from testbed.hidden_effects.scores import (
     CLASSES,
+    CORES,
     FAR,
     LATER_TAUGHT_UNTIL,
     LOCATED_ANEW,
@@ -358,10 +359,13 @@ def _seconds(summary: Json) -> Iterator[str]:
             yield f"The other {others['cases']} cases ran on {threads_of(others)}, mostly beside another case:"
             yield f"{others['median']:.3g} s (median)."
 
-    alone = {name: row for name, row in summary["newest"]["seconds_alone"].items() if row["cases"]}
-    if alone:
-        yield "In the newest batches, on 1 thread each, in the median:"
-        yield ", ".join(f"{row['median']:.3g} s ({name}, {row['cases']} cases)" for name, row in alone.items()) + "."
+    for threads, key in ((1, "seconds_alone"), (CORES, "seconds_on_cores")):
+        taken = {name: row for name, row in summary["newest"][key].items() if row["cases"]}
+        if taken:
+            yield f"In the newest batches, on {threads} thread{'s' if threads > 1 else ''} each, in the median:"
+            yield (
+                ", ".join(f"{row['median']:.3g} s ({name}, {row['cases']} cases)" for name, row in taken.items()) + "."
+            )
 
 
 def _engines(summary: Json) -> Iterator[str]:

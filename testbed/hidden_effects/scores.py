@@ -48,7 +48,8 @@ def summary_of(cases: Sequence[Json], case_set: str) -> Json:
             "bars": bars_of(reached_newest),
             "laws_alike": reached_newest["laws_alike"],
             "kinds_alike": reached_newest["kinds_alike"],
-            "seconds_alone": seconds_alone(newest),
+            "seconds_alone": seconds_by_class(newest, 1),
+            "seconds_on_cores": seconds_by_class(newest, CORES),
             "shares_of_engines": shares_of_engines(newest),
         },
         "shares_of_engines": shares_of_engines(cases),
@@ -459,14 +460,15 @@ CORES = 2
 """Of the machine that the bar means."""
 
 
-def seconds_alone(cases: Sequence[Json]) -> Json:
-    """What a diagnosis takes on one thread, by class: class -> cases and median.
+def seconds_by_class(cases: Sequence[Json], threads: int) -> Json:
+    """What a diagnosis takes, by class: class -> cases and median.
 
     Args:
         cases: of one set; those that failed are left out.
+        threads: of the diagnoses that are asked for.
     """
-    alone = [case for case in cases if "judged" in case and case["seconds"]["threads"] == 1]
-    taken = {name: [case["seconds"]["diagnosis"] for case in group] for name, group in _by_class(alone).items()}
+    asked = [case for case in cases if "judged" in case and case["seconds"]["threads"] == threads]
+    taken = {name: [case["seconds"]["diagnosis"] for case in group] for name, group in _by_class(asked).items()}
     return {
         name: {"cases": len(some), "median": float(np.median(some)) if some else None} for name, some in taken.items()
     }

@@ -207,15 +207,19 @@ def test_what_is_left_is_held_against_what_is_there_by_batch():
     assert [row["believed"] for row in rows] == [pytest.approx(0.97), None, None, pytest.approx(0.97)]
 
 
-def test_what_the_newest_take_on_one_thread_is_told_by_class():
-    alone = {"draw": 30.0, "diagnosis": 50.0, "threads": 1}
-    cases = [made_up("point_mass", 0, seconds=alone), made_up("point_mass", 1), failed("two", 0)]
+@pytest.mark.parametrize(
+    ("threads", "key", "words"), [(1, "seconds_alone", "1 thread each"), (2, "seconds_on_cores", "2 threads each")]
+)
+def test_what_the_newest_take_is_told_by_class_and_threads(threads, key, words):
+    taken, other = ({"draw": 30.0, "diagnosis": 50.0 * n, "threads": n} for n in (threads, 3 - threads))
+    cases = [made_up("point_mass", 0, seconds=taken), made_up("nothing", 0, seconds=other), failed("two", 0)]
     summary = summary_of(cases, "reported")
 
-    rows = summary["newest"]["seconds_alone"]
-    assert rows["one effect"] == {"cases": 1, "median": 50.0}
+    rows = summary["newest"][key]
+    assert rows["one effect"] == {"cases": 1, "median": 50.0 * threads}
     assert {name for name, row in rows.items() if row["median"] is None} == {*CLASSES.values()}
-    assert "50 s (one effect, 1 cases)" in page_of(summary, {}, "testbed")
+    page = " ".join(page_of(summary, {}, "testbed").split())
+    assert f"on {words}, in the median: {50 * threads} s (one effect, 1 cases)." in page
 
 
 def test_the_shares_of_the_engines_are_of_what_all_can_carry():
