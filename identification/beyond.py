@@ -31,7 +31,7 @@ from identification.evidence import (
 )
 from identification.exchange import fit_at
 from identification.fit import Fit
-from identification.hypothesis import free_place
+from identification.hypothesis import free_place, numbers_with_place
 from identification.in_its_place import judged_beside, refit_sketched
 from identification.judge import looks_from
 from identification.kept_aside import KeptAside, holds_on, left_of
@@ -351,14 +351,9 @@ def _in_place_of_two(
     if ahead is None:
         return None
     effects = [final.hypothesis.effects[index] for index in (kept, other)]
-    fewer = sum(map(_n_numbers, effects)) - _n_numbers(ahead.row.effect)
+    fewer = sum(map(numbers_with_place, effects)) - numbers_with_place(ahead.row.effect)
     better = log_fit(ahead.row.fit, scale) - log_fit(final, scale) + log(SIMPLER) * fewer
     return (ahead.row, better) if better >= LEAST_EVIDENCE else None
-
-
-def _n_numbers(effect: Effect) -> int:
-    """Numbers that a fit determines, with the place."""
-    return effect.n_numbers + free_place(effect)
 
 
 def promised(evaluator: Evaluator, found: Fit, place: Place) -> dict[str, float]:

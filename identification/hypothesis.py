@@ -389,6 +389,15 @@ def free_place(effect: Effect) -> bool:
     return effect.place.position is not None and effect.place.sleeve is None
 
 
+def numbers_with_place(effect: Effect) -> int:
+    """Numbers of an effect that a fit determines, with its place along the beam where that is free.
+
+    Args:
+        effect: of a model.
+    """
+    return effect.n_numbers + free_place(effect)
+
+
 def coordinates(hypothesis: Hypothesis, unknowns: Sequence[Unknown]) -> FloatArray:
     """(n,) coordinates of the unknowns."""
     return np.array([unknown.get(hypothesis) for unknown in unknowns])

@@ -6,7 +6,7 @@ from identification.acceptance import is_explained
 from identification.established import OF_A_SUPPORT
 from identification.evidence import LEAST_EVIDENCE, SIMPLER, log_fit, misfit_of
 from identification.fit import Fit, fit_to_its_end
-from identification.hypothesis import free_place
+from identification.hypothesis import numbers_with_place
 from identification.in_its_place import has_fewer, refit, seen_at, without_last
 from identification.in_step import tried_with
 from identification.reached import is_faint
@@ -35,30 +35,28 @@ def is_of_a_support(session: Session, base: Fit, law: Fit) -> bool:
         base: the model without effects.
         law: the general one.
     """
-    found = [_support(session, base, law, first) for first in range(FIRST_OF_A_SUPPORT)]
-    supports = [support for support in found if support is not base]
+    for first in range(FIRST_OF_A_SUPPORT):
+        support = _support(session, base, law, first)
+        if support is not base and _may_stand_for(session, law, support):
+            return True
+    return False
+
+
+def _may_stand_for(session: Session, law: Fit, support: Fit) -> bool:
+    """Whether a support reaches the noise too, or the law in its place is not clearly better, its numbers counted."""
+    if not is_faint(session.fitting, support):
+        return True
     if not is_explained(session, law):
-        return any(_leaves_as_little(session, support, law) for support in supports)
-    fits = [fit_to_its_end(session.fitting, one.hypothesis, one.unknowns, like=one) for one in supports]
-    return any(_is_as_likely(session, support, law) for support in fits)
-
-
-def _leaves_as_little(session: Session, support: Fit, law: Fit) -> bool:
-    """Whether a support reaches the noise, or leaves so little beyond it that the law may stand for it."""
-    is_met = not is_faint(session.fitting, support)
-    return is_met or beyond_noise(law) > MOST_LEFT * max(beyond_noise(support), 1.0)
-
-
-def _is_as_likely(session: Session, support: Fit, law: Fit) -> bool:
-    """Whether a support reaches the noise too, or the law in its place is not clearly likelier, its numbers counted."""
-    scale, more = misfit_of(support), max(_n_numbers(law) - _n_numbers(support), 0)
-    better = log_fit(law, scale) - log_fit(support, scale) - log(SIMPLER) * more
-    return not is_faint(session.fitting, support) or better < LEAST_EVIDENCE
+        return beyond_noise(law) > MOST_LEFT * max(beyond_noise(support), 1.0)
+    ended = fit_to_its_end(session.fitting, support.hypothesis, support.unknowns, like=support)
+    scale, more = misfit_of(ended), max(_n_numbers(law) - _n_numbers(ended), 0)
+    better = log_fit(law, scale) - log_fit(ended, scale) - log(SIMPLER) * more
+    return not is_faint(session.fitting, ended) or better < LEAST_EVIDENCE
 
 
 def _n_numbers(model: Fit) -> int:
-    """Numbers of all effects that a fit determines, with their places."""
-    return sum(effect.n_numbers + free_place(effect) for effect in model.hypothesis.effects)
+    """Of all effects, with their places."""
+    return sum(map(numbers_with_place, model.hypothesis.effects))
 
 
 def _support(session: Session, base: Fit, law: Fit, first: int) -> Fit:

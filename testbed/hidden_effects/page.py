@@ -362,10 +362,9 @@ def _seconds(summary: Json) -> Iterator[str]:
     for threads, key in ((1, "seconds_alone"), (CORES, "seconds_on_cores")):
         taken = {name: row for name, row in summary["newest"][key].items() if row["cases"]}
         if taken:
-            yield f"In the newest batches, on {threads} thread{'s' if threads > 1 else ''} each, in the median:"
-            yield (
-                ", ".join(f"{row['median']:.3g} s ({name}, {row['cases']} cases)" for name, row in taken.items()) + "."
-            )
+            yield f"In the newest batches, on {threads_of({'threads': [threads]})}, in the median:"
+            medians = (f"{row['median']:.3g} s ({name}, {row['cases']} cases)" for name, row in taken.items())
+            yield ", ".join(medians) + "."
 
 
 def _engines(summary: Json) -> Iterator[str]:
