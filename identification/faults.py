@@ -44,7 +44,8 @@ MOST_SENSORS = 2
 """At fault at once; where more disagree, it is not the sensors."""
 
 MOST_PAIRS, PROMISED = 3, 0.7
-"""Pairs that are exchanged in a fit, and the share of the excess that slopes leave of them at most."""
+"""Pairs that are exchanged in a fit, and the share of the excess that slopes leave of them at most, as a look does of
+whatever is then fitted in full."""
 
 LEAST_SENSORS = 3
 """Channels of which one can be outvoted."""
@@ -55,8 +56,8 @@ WINDOW = (0.1, 0.75)
 AROUND = 3.0
 """Lines of the record on either side of one that are left out with it: the record's ends make it wide."""
 
-ITERATIONS, TOLERANCE = 6, 1e-2
-"""Of the rig's numbers without a channel."""
+ITERATIONS, ITERATIONS_LOOK, TOLERANCE = 6, 14, 1e-2
+"""Of the rig's numbers without a channel, and of the look that tells whether it is worth them."""
 
 
 @dataclass(frozen=True)
@@ -204,16 +205,22 @@ def _left_in(window: Evaluator, there: Fit, alone: Sequence[Place], pairs: Seque
     promised = [_left_beside(window, ground, pairs) for ground in grounds]
     least = {pair: min((row[pair] for row in promised), default=1.0) for pair in pairs}
     promising = [pair for pair in sorted(pairs, key=least.__getitem__)[:MOST_PAIRS] if least[pair] < PROMISED]
+    work = partial(_excess_without, window.with_jobs(1), grounds)
     faults = [Place(), *alone, *promising]
-    whole, *left = in_parallel(window.jobs, partial(_excess_without, window.with_jobs(1), grounds), faults)
-    return {fault: each / whole if whole > 0.0 else 1.0 for fault, each in zip(faults[1:], left, strict=True)}
+    whole, *looks = in_parallel(window.jobs, work, [(fault, fault != Place()) for fault in faults])
+    likely = [fault for fault, look in zip(faults[1:], looks, strict=True) if look < PROMISED * whole]
+    fitted = in_parallel(window.jobs, work, [(fault, False) for fault in likely])
+    left = {**dict(zip(faults[1:], looks, strict=True)), **dict(zip(likely, fitted, strict=True))}
+    return {fault: each / whole if whole > 0.0 else 1.0 for fault, each in left.items()}
 
 
-def _excess_without(window: Evaluator, grounds: Sequence[Fit], fault: Place) -> float:
+def _excess_without(window: Evaluator, grounds: Sequence[Fit], asked: tuple[Place, bool]) -> float:
     """Chi-square beyond the noise that the rig's numbers leave, as given or as calibrated, whichever is less.
 
-    A fault changes no motion, so that each fit begins with the slopes that all share.
+    A fault changes no motion, so that each fit begins with the slopes that all share; in a mere look these follow its
+    steps, which takes a few runs where slopes formed anew take scores of them.
     """
+    fault, is_look = asked
     mended = [_without_fault(target, fault) for target in window.timed]
     heard = window.with_targets([target for target in mended if target.record.sensors])
     least = float("inf")
@@ -225,9 +232,11 @@ def _excess_without(window: Evaluator, grounds: Sequence[Fit], fault: Place) -> 
                 heard,
                 ground.hypothesis,
                 unknowns,
-                max_iterations=ITERATIONS,
+                max_iterations=ITERATIONS_LOOK if is_look else ITERATIONS,
                 jacobian=slopes,
-                formed=True,
+                keep=is_look,
+                along_steps=is_look,
+                formed=not is_look,
                 tolerance=TOLERANCE,
             )
         except ArithmeticError:

@@ -95,7 +95,8 @@ class _Way:
         self.size = np.maximum(np.linalg.norm(lines.ways, axis=1), np.finfo(float).tiny)
         direction = (lines.ways / self.size[:, None, :]).conj().swapaxes(1, 2)
         self.along = (direction @ lines.left[:, :, None])[:, :, 0]
-        self.across = (direction @ lines.common).swapaxes(0, 1)
+        across = (direction @ lines.common).swapaxes(0, 1)
+        self._across = np.concatenate([across.real, across.imag], axis=1)
         self._common, self._left = _flat(lines.common), _flat(lines.left[:, :, None])[:, 0]
         self.normal = _Normal((self._common.T @ self._left)[None], (self._common.T @ self._common)[None])
 
@@ -106,13 +107,14 @@ class _Way:
 
     def seen(self, x: FloatArray) -> ComplexArray:
         """(lines, n_ways) what is left along each way."""
-        return np.asarray(self.along - (self.across @ x[:, :, None])[:, :, 0].T)
+        real, imag = np.split((self._across @ x[:, :, None])[:, :, 0].T, 2)
+        return np.asarray(self.along - (real + 1j * imag))
 
     def freed(self, share: FloatArray) -> _Normal:
         """The normal equations with a (lines, n_ways) share of what lies along each way taken out."""
         b, n = [], []
-        for along, across, weight in zip(self.along.T, self.across, np.sqrt(share.T), strict=True):
-            rows = np.concatenate([weight[:, None] * across.real, weight[:, None] * across.imag])
+        for along, across, weight in zip(self.along.T, self._across, np.sqrt(share.T), strict=True):
+            rows = np.concatenate([weight, weight])[:, None] * across
             b.append(self.normal.b[0] - rows.T @ np.concatenate([weight * along.real, weight * along.imag]))
             n.append(self.normal.n[0] - rows.T @ rows)
         return _Normal(np.array(b), np.array(n))
@@ -136,11 +138,26 @@ class _Way:
 def _weighed_band(power: FloatArray, size: FloatArray) -> tuple[FloatArray, FloatArray]:
     """(n_ways,) gain of log evidence in a band, and (lines, n_ways) mean shrinkage of the force there."""
     trials = DENSITIES[:, None, None] * (size / np.mean(size, axis=0))
-    shrinkage = trials / (1.0 + trials)
-    gains = np.sum(shrinkage * power - np.log1p(trials), axis=1) - np.log(len(DENSITIES))
+    raised = 1.0 + trials
+    shrinkage = trials / raised
+    gains = np.einsum("tlw,lw->tw", shrinkage, power) - _log_of_product(raised) - np.log(len(DENSITIES))
     none = np.zeros((1, gains.shape[1]))
     gain = logsumexp(np.concatenate([none, gains]), axis=0)
     return gain - np.log(2.0), np.einsum("tw,tlw->lw", np.exp(gains - gain), shrinkage)
+
+
+def _log_of_product(factors: FloatArray) -> FloatArray:
+    """(n_trials, n_ways) logarithm of the product over lines: a logarithm of each takes many times as long.
+
+    Args:
+        factors: (n_trials, lines, n_ways) from 1 up to the largest density times the lines.
+    """
+    products = np.multiply.reduceat(factors, np.arange(0, factors.shape[1], MULTIPLIED), axis=1)
+    return np.asarray(np.sum(np.log(products), axis=1))
+
+
+MULTIPLIED = 16
+"""Factors whose product is no overflow: of a million lines each is below 1e15."""
 
 
 def _flat(columns: ComplexArray) -> FloatArray:

@@ -36,7 +36,7 @@ P3 = REFERENCE.sensor("P3")
 ON_P3 = Place(sensor="P3")
 
 
-def looked_at(*effects, own=(), sigmas=None, sensors=None, beside=()):
+def looked_at(*effects, own=(), sigmas=None, sensors=None, beside=(), jobs=2):
     """What is suspected on two records of the rig with hidden effects, its numbers off within their tolerances.
 
     Only some sensors may be of the second record, and FRFs or modes lie beside.
@@ -48,7 +48,7 @@ def looked_at(*effects, own=(), sigmas=None, sensors=None, beside=()):
         for record in ("low", "high"):
             truth = with_own_number(truth, record, name, value)
     forces = {"low": multisine(2048, 2, rms=4.0), "high": multisine(2048, 2, rms=20.0, seed=2)}
-    evaluator = evaluator_of(*(measured(truth, force, name=name) for name, force in forces.items()), jobs=2)
+    evaluator = evaluator_of(*(measured(truth, force, name=name) for name, force in forces.items()), jobs=jobs)
     if sensors is not None:
         low, high = evaluator.timed
         evaluator = evaluator.with_targets([low.only(sensors[0]), high.only(sensors[1])])
@@ -76,6 +76,19 @@ def test_a_channel_that_contradicts_the_others_is_named(effect):
     assert effect.kind in seen.kinds(EFFECTS)
     assert all("sensor" in kind.places for kind in seen.kinds(EFFECTS).values())
     assert "P3 contradicts the other channels" in seen.words
+
+
+def test_what_a_look_leaves_unlikely_is_not_fitted_in_full(monkeypatch):
+    heard_in_full, heard = [], {sensor.name for sensor in REFERENCE.sensors}
+
+    def counting(evaluator, *args, **kwargs):
+        if kwargs.get("formed"):
+            heard_in_full.append(frozenset(evaluator.timed[0].record.sensors))
+        return fit(evaluator, *args, **kwargs)
+
+    monkeypatch.setattr("identification.faults.fit", counting)
+    assert looked_at(SensorGain(ON_P3, gain=-1.0), jobs=1).channels == (ON_P3,)
+    assert set(heard_in_full) == {frozenset(heard), frozenset(heard - {"P3"})}
 
 
 @pytest.mark.parametrize("gain", [-1.0, 9.80665], ids=["upside down", "g"])
