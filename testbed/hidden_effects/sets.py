@@ -581,7 +581,7 @@ REPORTED = CaseSet(
             turned=4,
         ),
         63907: Batch(
-            "c6f5cdf",
+            "47c98fc",
             run="Two threads, one case at a time with the machine to itself, whose speed others on its host change.",
             first_kind="sensor_gain",
             first_law="broken_spring",
