@@ -121,7 +121,7 @@ def fit(
         evaluator: records and noise.
         hypothesis: where to start.
         unknowns: what may move; those of records that the evaluator does not hold are left out.
-        max_iterations: of Levenberg and Marquardt; a step without differences counts for less.
+        max_iterations: of Levenberg and Marquardt; a step before which all columns follow the steps counts for less.
         jacobian: (n_kept, n_data) columns of the first unknowns, known from an earlier fit nearby.
         keep: never form the columns in ``jacobian`` anew; a quick look, not the minimum.
         along_steps: these follow what the steps show, where they are not formed anew.

@@ -96,7 +96,7 @@ class _Way:
         direction = (lines.ways / self.size[:, None, :]).conj().swapaxes(1, 2)
         self.along = (direction @ lines.left[:, :, None])[:, :, 0]
         across = (direction @ lines.common).swapaxes(0, 1)
-        self._across = np.concatenate([across.real, across.imag], axis=1)
+        self._across = np.concatenate([across.real, across.imag], axis=1)  # (n_ways, twice the lines, n_common)
         self._common, self._left = _flat(lines.common), _flat(lines.left[:, :, None])[:, 0]
         self.normal = _Normal((self._common.T @ self._left)[None], (self._common.T @ self._common)[None])
 

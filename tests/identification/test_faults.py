@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rest_records import modes_of
-from trial_records import REFERENCE, evaluator_of, measured, moved, multisine
+from trial_records import REFERENCE, evaluator_of, fit_of, measured, moved, multisine
 
 from identification.at_rest import linear_model
 from identification.calibrate import calibrate, concerning, unknowns_of
 from identification.carried import carried_through
 from identification.evaluate import carry_noise
 from identification.evidence import Ranked
-from identification.faults import NO_SUSPICION, _mended, _without_fault, suspicion
+from identification.faults import NO_SUSPICION, _left_in, _mended, _without_fault, suspicion
 from identification.fit import fit
 from identification.hypothesis import Hypothesis, with_own_number
 from identification.reached import NOISE_REACHED
@@ -89,6 +89,44 @@ def test_what_a_look_leaves_unlikely_is_not_fitted_in_full(monkeypatch):
     monkeypatch.setattr("identification.faults.fit", counting)
     assert looked_at(SensorGain(ON_P3, gain=-1.0), jobs=1).channels == (ON_P3,)
     assert set(heard_in_full) == {frozenset(heard), frozenset(heard - {"P3"})}
+
+
+CHANNELS = tuple(Place(sensor=name) for name in ("P1", "P2", "P3"))
+
+
+@pytest.mark.parametrize(
+    ("whole", "looks", "slopes", "full", "left"),
+    [
+        (1000, (200, 800, 900), (1, 1, 1), {"P1": 500}, (0.2, 0.8, 0.9)),
+        (1000, (600, 800, 900), (1, 1, 1), {"P1": 100}, (0.1, 0.8, 0.9)),
+        (1000, (900, 800, 900), (1, 1, 0.3), {"P3": 50}, (0.9, 0.8, 0.05)),
+        (1000, (900, 800, 950), (1, 1, 1), {"P2": 20}, (0.9, 0.02, 0.95)),
+        (1000, (300, 800, 400), (1, 1, 1), {"P1": 290, "P3": 200}, (0.29, 0.8, 0.2)),
+        (-20, (-30, -40, -50), (1, 1, 1), {}, (1, 1, 1)),
+    ],
+    ids=["a look is enough", "a look promises", "slopes promise", "least of all", "two promise", "noise"],
+)
+def test_in_full_is_fitted_what_a_look_or_slopes_promise(monkeypatch, whole, looks, slopes, full, left):
+    asked = []
+
+    def fitted(_window, _grounds, faults):
+        asked.append([(fault.sensor, is_look) for fault, is_look in faults])
+        beyond = {None: whole, **dict(zip(("P1", "P2", "P3"), looks, strict=True))}
+        ends = [
+            beyond[fault.sensor] if is_look or fault == Place() else full[fault.sensor] for fault, is_look in faults
+        ]
+        return [fit_of(SensorGain(ON_P3, gain=1.0), 1000.0 + end) for end in ends]
+
+    monkeypatch.setattr("identification.faults._grounds", lambda *_: [])
+    monkeypatch.setattr("identification.faults._fitted_without", fitted)
+    monkeypatch.setattr("identification.faults._left_beside", lambda *_: dict(zip(CHANNELS, slopes, strict=True)))
+
+    found = _left_in(None, None, CHANNELS, ())
+
+    assert [found[channel] for channel in CHANNELS] == pytest.approx(left)
+    looks_first, *rest = asked
+    assert looks_first == [(None, False), ("P1", True), ("P2", True), ("P3", True)]
+    assert {one for batch in rest for one in batch} == {(name, False) for name in full}
 
 
 @pytest.mark.parametrize("gain", [-1.0, 9.80665], ids=["upside down", "g"])

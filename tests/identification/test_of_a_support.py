@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 from trial_records import REFERENCE, beam_session, found_with
 
+from identification import of_a_support
 from identification.hypothesis import Hypothesis
 from identification.of_a_support import _support, is_of_a_support
 from identification.reached import FAINT
@@ -81,3 +82,14 @@ def test_where_the_support_reaches_the_noise_too_the_law_may_stand_for_it():
     assert _support(session, base, law, 0).ratio < FAINT
 
     assert is_of_a_support(session, base, law)
+
+
+@pytest.mark.parametrize(("second", "stands"), [(1.0, True), (100.0, False)])
+def test_where_the_first_way_to_a_support_is_left_far_behind_a_second_one_is_asked(
+    relaxing, monkeypatch, second, stands
+):
+    session, base, law, _ = relaxing
+    ways = [leaving(base, 100.0), leaving(base, second)]
+    monkeypatch.setattr(of_a_support, "_support", lambda *asked: ways[asked[-1]])
+
+    assert is_of_a_support(session, base, leaving(law, 2.0)) is stands

@@ -134,6 +134,29 @@ def test_what_is_far_off_where_another_has_reached_the_noise_is_not_sketched_on_
     assert last.fit.n_data == last.base.n_data == longest.n_judged
 
 
+@pytest.mark.parametrize(("near", "which"), [(True, (0, 1)), (False, (0,))])
+def test_beside_near_numbers_what_is_lost_is_begun_again_in_every_heat(greased, monkeypatch, near, which):
+    """From afar in the first alone: what grew there is no longer lost."""
+    evaluator, base = greased
+    schedule, begun_again = [(0.3, 0.2, 8), (1.0, 0.0, 8)], []
+
+    def grown(ground, sketches):
+        begun_again.append(ground.evaluator.n_data)
+        return sketches
+
+    monkeypatch.setattr(
+        sketching, "sketched", lambda *_, **__: [Sketch(fit_of(GREASE, 1e5), fit_of(GREASE, 9e4), GREASE)]
+    )
+    monkeypatch.setattr(sketching, "rivals", lambda *_: [])
+    monkeypatch.setattr(sketching, "grown_from_bare", grown)
+
+    heats(evaluator, Hypothesis(REFERENCE), base, [GREASE], REGISTRY, schedule, near=near)
+
+    extents = [beginning(evaluator, *schedule[heat][:2]).n_data for heat in which]
+    assert begun_again == extents
+    assert len(set(extents)) == len(extents)
+
+
 def test_two_sketches_that_ended_at_one_place_are_one():
     rows = [sketch(PointMass(Place(position=x), mass=0.1)) for x in (0.7, 0.71, 0.9)]
 
