@@ -581,7 +581,7 @@ REPORTED = CaseSet(
             turned=4,
         ),
         63907: Batch(
-            "47c98fc",
+            "0fc8d41",
             run="Two threads, one case at a time with the machine to itself, whose speed others on its host change.",
             first_kind="sensor_gain",
             first_law="broken_spring",
