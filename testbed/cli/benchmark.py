@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from testbed.hidden_effects.crew import Workers
 
 EXAMPLE = "Example: testbed benchmark hidden-effects --set tuning --cases 20 --out results/tuning"
-AGAIN = "Example: testbed benchmark next-experiments results/hidden_effects --out results/next_experiments"
+NEXT = "Example: testbed benchmark next-experiments results/hidden_effects --out results/next_experiments"
+AGAIN = "Example: testbed benchmark again results/hidden_effects --cases 40 --jobs 1 --threads 2 --out results/again"
 MISSED = 1
 
 Jobs = Annotated[
@@ -79,7 +80,7 @@ def hidden_effects(
         raise typer.Exit(MISSED)
 
 
-@benchmark.command("next-experiments", epilog=AGAIN)
+@benchmark.command("next-experiments", epilog=NEXT)
 def next_experiments(
     results: Annotated[Path, typer.Argument(metavar="RESULTS", help="Folder that benchmark hidden-effects wrote.")],
     *,
@@ -108,6 +109,39 @@ def next_experiments(
         print_json(summary)
     else:
         print_table(("outcome", "cases"), list(summary["outcomes"].items()))
+        say(f"written: {folder}/README.md and summary.json; {summary['cases']} cases in {folder}/cases")
+
+
+@benchmark.command("again", epilog=AGAIN)
+def again(
+    results: Annotated[Path, typer.Argument(metavar="RESULTS", help="Folder that benchmark hidden-effects wrote.")],
+    *,
+    cases: Annotated[int, typer.Option("--cases", min=1, help="The first so many; each beginning has the mix.")] = 40,
+    out: Out = None,
+    jobs: Jobs = None,
+    threads: Threads = 1,
+    scheduler: Scheduler = None,
+    as_json: AsJson = False,
+) -> None:
+    """Diagnose the newest reported cases again: what a change has kept, and what it takes; goes on where it stopped."""
+    folder = out_folder(out, Path("again"), "README.md", "summary.json", "cases/")
+    with progress() as tell:
+        from testbed.hidden_effects.again import evenly, run_again
+
+        reported = evenly(results)[:cases]
+        command = ["testbed", *sys.argv[1:]]
+        summary = run_again(
+            reported, folder, _workers(jobs, threads, scheduler), threads=threads, command=command, progress=tell
+        )
+    from testbed.cli.tables import print_json, print_table, say
+
+    if as_json:
+        print_json(summary)
+    else:
+        rows = [(name, row["cases"], row["median"]) for name, row in summary["seconds_by_class"].items()]
+        taken, right = summary["seconds"], summary["right"]
+        print_table(("class", "cases", "seconds, median"), [*rows, ("all", taken["cases"], taken["median"])])
+        say(f"{right['again']} are right; {right['reported']} of {summary['cases']} were when they were reported")
         say(f"written: {folder}/README.md and summary.json; {summary['cases']} cases in {folder}/cases")
 
 

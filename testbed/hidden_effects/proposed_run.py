@@ -11,7 +11,7 @@ from testbed.hidden_effects.crew import RunCase, Workers
 from testbed.hidden_effects.plan import Task
 from testbed.hidden_effects.proposed import run_proposed
 from testbed.hidden_effects.proposed_page import promises_to_settle, proposed_page, proposed_summary
-from testbed.hidden_effects.run import CASES, PAGE, SUMMARY, path_of, run_missing
+from testbed.hidden_effects.run import PAGE, SUMMARY, finished_in, path_of, run_missing
 from testbed.hidden_effects.sets import SETS
 from testbed.outputs import Json, json_text, staged
 
@@ -28,8 +28,7 @@ def with_a_group(results: Path) -> tuple[Task, ...]:
     Raises:
         InputError: a folder without cases, or none of them with a group.
     """
-    files = sorted((results / CASES).glob("*.json"))
-    cases = [case for file in files if "diagnosis" in (case := json.loads(file.read_text(encoding="utf-8")))]
+    cases = finished_in(results)
     grouped = [case for case in cases if case["judged"]["verdict"] == "missing_effect"]
     grouped = [case for case in grouped if case["diagnosis"]["indistinguishable"]]
     if not grouped:

@@ -92,6 +92,16 @@ def run_missing(
         progress(f"{done}/{len(todo)} {line(case)}")
 
 
+def finished_in(results: Path) -> list[Json]:
+    """The cases of a folder of results that came to a diagnosis.
+
+    Args:
+        results: folder that ``run_hidden_effects`` wrote.
+    """
+    cases = [json.loads(file.read_text(encoding="utf-8")) for file in sorted((results / CASES).glob("*.json"))]
+    return [case for case in cases if "judged" in case]
+
+
 def path_of(out: Path, task: Task) -> Path:
     """The file of a case.
 
