@@ -50,7 +50,7 @@ MOST_PAIRS, PROMISED = 3, 0.7
 
 HOPED = 0.7
 """Share of the excess that a look leaves, or slopes where the fit with all channels has ended, of what is fitted in
-full at most. In nine cases looks ended within a hundredth of the fits."""
+full at most."""
 
 LEAST_SENSORS = 3
 """Channels of which one can be outvoted."""

@@ -116,33 +116,35 @@ def next_experiments(
 def again(
     results: Annotated[Path, typer.Argument(metavar="RESULTS", help="Folder that benchmark hidden-effects wrote.")],
     *,
-    cases: Annotated[int, typer.Option("--cases", min=1, help="The first so many; each beginning has the mix.")] = 40,
+    cases: Annotated[int, typer.Option("--cases", min=1, help="The first so many, spread over the mix.")] = 40,
     out: Out = None,
     jobs: Jobs = None,
     threads: Threads = 1,
     scheduler: Scheduler = None,
     as_json: AsJson = False,
 ) -> None:
-    """Diagnose the newest reported cases again: what a change has kept, and what it takes; goes on where it stopped."""
+    """Diagnose the newest reported cases again; goes on where it stopped; status 1 where one is lost or fails."""
     folder = out_folder(out, Path("again"), "README.md", "summary.json", "cases/")
     with progress() as tell:
         from testbed.hidden_effects.again import evenly, run_again
+        from testbed.hidden_effects.again_page import compared
 
-        reported = evenly(results)[:cases]
-        command = ["testbed", *sys.argv[1:]]
-        summary = run_again(
-            reported, folder, _workers(jobs, threads, scheduler), threads=threads, command=command, progress=tell
-        )
+        reported, command = evenly(results)[:cases], ["testbed", *sys.argv[1:]]
+        workers = _workers(jobs, threads, scheduler)
+        summary = run_again(reported, results, folder, workers, threads=threads, command=command, progress=tell)
     from testbed.cli.tables import print_json, print_table, say
 
     if as_json:
         print_json(summary)
     else:
         rows = [(name, row["cases"], row["median"]) for name, row in summary["seconds_by_class"].items()]
-        taken, right = summary["seconds"], summary["right"]
-        print_table(("class", "cases", "seconds, median"), [*rows, ("all", taken["cases"], taken["median"])])
-        say(f"{right['again']} are right; {right['reported']} of {summary['cases']} were when they were reported")
+        all_rows = [*rows, ("all", summary["seconds"]["cases"], summary["seconds"]["median"])]
+        print_table(("class", "cases", f"seconds on {threads} thread{'s' * (threads > 1)}, median"), all_rows)
+        for line in compared(summary):
+            say(line)
         say(f"written: {folder}/README.md and summary.json; {summary['cases']} cases in {folder}/cases")
+    if summary["lost"] or summary["failed"]:
+        raise typer.Exit(MISSED)
 
 
 def _workers(jobs: int | None, threads: int, scheduler: str | None) -> "Workers":

@@ -1,46 +1,84 @@
-"""What came of reported cases that were diagnosed again: counts, seconds, and a page in Markdown."""
+"""What came of reported cases that were diagnosed again: kept, lost, mended, seconds, and a page in Markdown."""
 
 from collections.abc import Iterator, Sequence
+from math import isclose
+from typing import Any
 
 from testbed.hidden_effects.bars import threads_of
 from testbed.hidden_effects.scores import class_of, seconds, seconds_by_class
 from testbed.outputs import Json
 
 ABOUT = """\
-Cases of the newest batches of the hidden-effect benchmark, spread evenly over their classes and kinds, drawn again and
-diagnosed by the diagnosis as it is. They were looked at when they were reported, and the diagnosis was mended since:
-what is right here tells that a change has kept what it could, not how good it is on cases that nobody has seen. What a
-case takes tells of today's diagnosis; the seconds on the page of the benchmark are those of each batch's own.
+Cases of the newest closed batches of the hidden-effect benchmark, spread over their classes and kinds as evenly as
+their number allows, drawn again and diagnosed by one diagnosis, whose code has the stamp below. They were looked at
+when they were reported, and the diagnosis was mended since: what is right here tells what a change has lost and mended,
+not how good the diagnosis is on cases that nobody has seen. What a case takes tells of this diagnosis; the seconds on
+the page of the benchmark are those of each batch's own.
 """
+
+DRAWN = ("engine", "hidden", "rig", "built", "snr_db")
+"""What two draws of a case have in common, if they are the same."""
+
+DRAWN_OTHERWISE = "drawn_otherwise"
+
+OUTCOMES = ("kept", "lost", "mended", "missed", DRAWN_OTHERWISE)
+"""Right before and now, before alone, now alone, neither; another draw, which is not compared."""
+
+SAME = 1e-3
+"""Relative difference of numbers that are the same: sizes come from a search."""
 
 
 def again_summary(reported: Sequence[Json], again: Sequence[Json]) -> Json:
     """The content of ``summary.json``.
 
     Args:
-        reported: cases as they were reported.
+        reported: cases as they were reported, at least one.
         again: the same, done or failed, as their files hold them.
     """
-    pairs = list(zip(reported, again, strict=True))
     done = [case for case in again if "judged" in case]
+    rows = [_row(old, new) for old, new in zip(reported, again, strict=True) if "judged" in new]
     return {
+        "set": reported[0]["set"],
+        "seeds": sorted({case["seed"] for case in reported}),
+        "stamp": done[0]["stamp"] if done else None,
         "cases": len(again),
-        "right": {"reported": _right(reported), "again": _right(done)},
-        "seconds": seconds(done),
-        "seconds_by_class": seconds_by_class(done, max((case["seconds"]["threads"] for case in done), default=1)),
+        **{outcome: [row["case"] for row in rows if row["outcome"] == outcome] for outcome in OUTCOMES},
         "failed": [{"case": case["case"], "failure": case["failure"]} for case in again if case not in done],
-        "rows": [_row(old, new) for old, new in pairs if "judged" in new],
+        "seconds": seconds(done),
+        "seconds_by_class": seconds_by_class(done, done[0]["seconds"]["threads"] if done else 1),
+        "rows": rows,
     }
 
 
-def _right(cases: Sequence[Json]) -> int:
-    return sum(case["judged"]["right"] for case in cases)
+def _outcome(old: Json, new: Json) -> str:
+    if not all(is_same(old.get(key), new.get(key)) for key in DRAWN):
+        return DRAWN_OTHERWISE
+    if old["judged"]["right"]:
+        return "kept" if new["judged"]["right"] else "lost"
+    return "mended" if new["judged"]["right"] else "missed"
+
+
+def is_same(one: Any, other: Any) -> bool:
+    """Whether two plain values are the same but for the last digits of their numbers.
+
+    Args:
+        one: of a case's file.
+        other: of another file of it.
+    """
+    if isinstance(one, dict) and isinstance(other, dict):
+        return one.keys() == other.keys() and all(is_same(one[key], other[key]) for key in one)
+    if isinstance(one, list) and isinstance(other, list):
+        return len(one) == len(other) and all(map(is_same, one, other))
+    if isinstance(one, float) and isinstance(other, float | int):
+        return isclose(one, other, rel_tol=SAME)
+    return bool(one == other)
 
 
 def _row(old: Json, new: Json) -> Json:
     return {
         "case": new["case"],
         "class": class_of(new),
+        "outcome": _outcome(old, new),
         "reported": {**_judged(old), **old["seconds"]},
         "again": {**_judged(new), **new["seconds"]},
     }
@@ -57,16 +95,38 @@ def again_page(summary: Json, command: str) -> str:
         summary: content of ``summary.json``.
         command: that makes it again.
     """
-    lines = ["# Reported cases, diagnosed again", "", f"Made by `{command}`.", "", ABOUT, *_told(summary), ""]
-    return "\n".join([*lines, "## One by one", "", *_rows(summary["rows"]), *_failed(summary["failed"])]) + "\n"
+    seeds = ", ".join(map(str, summary["seeds"]))
+    about = f"Set `{summary['set']}`, seeds {seeds}; stamp of the code: {summary['stamp']}."
+    lines = ["# Reported cases, diagnosed again", "", f"Made by `{command}`.", "", ABOUT, about, ""]
+    lines += [*compared(summary), "", *_seconds(summary), "", "## One by one", "", *_rows(summary["rows"])]
+    return "\n".join([*lines, *_failed(summary["failed"])]) + "\n"
 
 
-def _told(summary: Json) -> Iterator[str]:
-    cases, right, taken = summary["cases"], summary["right"], summary["seconds"]
-    yield f"Of {cases} cases {right['reported']} were right when they were reported, {right['again']} are now."
+def compared(summary: Json) -> Iterator[str]:
+    """What has become of the cases, a sentence a line.
+
+    Args:
+        summary: content of ``summary.json``.
+    """
+    kept, lost, mended, missed = (summary[key] for key in ("kept", "lost", "mended", "missed"))
+    told = f": {_listed(lost)} not any more." if lost else "."
+    yield f"Of {len(kept) + len(lost)} that were right when they were reported {len(kept)} still are{told}"
+    told = f": {_listed(mended)}." if mended else "."
+    yield f"Of {len(mended) + len(missed)} that were not {len(mended)} are right now{told}"
+    if summary[DRAWN_OTHERWISE]:
+        yield f"Drawn otherwise than they were reported, and not counted: {_listed(summary[DRAWN_OTHERWISE])}."
+    if summary["failed"]:
+        yield f"Failed: {_listed([row['case'] for row in summary['failed']])}."
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(f"`{name}`" for name in names)
+
+
+def _seconds(summary: Json) -> Iterator[str]:
+    taken = summary["seconds"]
     if not taken["cases"]:
         return
-    yield ""
     yield f"| | cases | seconds of a diagnosis, median, {threads_of(taken)} |"
     yield "|---|---|---|"
     yield f"| all | {taken['cases']} | **{taken['median']:.3g}** |"

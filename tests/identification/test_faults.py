@@ -102,9 +102,22 @@ CHANNELS = tuple(Place(sensor=name) for name in ("P1", "P2", "P3"))
         (1000, (900, 800, 900), (1, 1, 0.3), {"P3": 50}, (0.9, 0.8, 0.05)),
         (1000, (900, 800, 950), (1, 1, 1), {"P2": 20}, (0.9, 0.02, 0.95)),
         (1000, (300, 800, 400), (1, 1, 1), {"P1": 290, "P3": 200}, (0.29, 0.8, 0.2)),
+        (1000, (None, 800, 950), (1, 1, 1), {"P2": None}, (np.inf, 0.8, 0.95)),
         (-20, (-30, -40, -50), (1, 1, 1), {}, (1, 1, 1)),
+        (50, (-30, 40, 45), (1, 1, 1), {}, (1, 1, 1)),
+        (None, (None, None, None), (1, 1, 1), {}, (1, 1, 1)),
     ],
-    ids=["a look is enough", "a look promises", "slopes promise", "least of all", "two promise", "noise"],
+    ids=[
+        "a look is enough",
+        "a look promises",
+        "slopes promise",
+        "least of all",
+        "two promise",
+        "a fit diverges",
+        "less than the noise",
+        "hardly more",
+        "all diverge",
+    ],
 )
 def test_in_full_is_fitted_what_a_look_or_slopes_promise(monkeypatch, whole, looks, slopes, full, left):
     asked = []
@@ -115,7 +128,7 @@ def test_in_full_is_fitted_what_a_look_or_slopes_promise(monkeypatch, whole, loo
         ends = [
             beyond[fault.sensor] if is_look or fault == Place() else full[fault.sensor] for fault, is_look in faults
         ]
-        return [fit_of(SensorGain(ON_P3, gain=1.0), 1000.0 + end) for end in ends]
+        return [None if end is None else fit_of(SensorGain(ON_P3, gain=1.0), 1000.0 + end) for end in ends]
 
     monkeypatch.setattr("identification.faults._grounds", lambda *_: [])
     monkeypatch.setattr("identification.faults._fitted_without", fitted)
