@@ -128,6 +128,7 @@ def again(
     with progress() as tell:
         from testbed.hidden_effects.again import evenly, run_again
         from testbed.hidden_effects.again_page import compared
+        from testbed.hidden_effects.bars import threads_of
 
         reported, command = evenly(results)[:cases], ["testbed", *sys.argv[1:]]
         workers = _workers(jobs, threads, scheduler)
@@ -139,7 +140,7 @@ def again(
     else:
         rows = [(name, row["cases"], row["median"]) for name, row in summary["seconds_by_class"].items()]
         all_rows = [*rows, ("all", summary["seconds"]["cases"], summary["seconds"]["median"])]
-        print_table(("class", "cases", f"seconds on {threads} thread{'s' * (threads > 1)}, median"), all_rows)
+        print_table(("class", "cases", f"seconds, median, {threads_of(summary['seconds'])}"), all_rows)
         for line in compared(summary):
             say(line)
         say(f"written: {folder}/README.md and summary.json; {summary['cases']} cases in {folder}/cases")

@@ -11,14 +11,15 @@ import models
 from identification.progress import Progress
 from models.errors import InputError
 from testbed.hidden_effects.again_page import again_page, again_summary
+from testbed.hidden_effects.bars import threads_of
 from testbed.hidden_effects.case_run import run_case
 from testbed.hidden_effects.crew import RunCase, Workers
 from testbed.hidden_effects.newest import newest_of
 from testbed.hidden_effects.plan import Task
-from testbed.hidden_effects.run import CASES, PAGE, SUMMARY, finished_in, path_of, run_missing
+from testbed.hidden_effects.run import CASES, cases_of, finished_in, run_missing, write_page
 from testbed.hidden_effects.scores import class_of, in_a_line
 from testbed.hidden_effects.sets import SETS
-from testbed.outputs import Json, json_text, staged
+from testbed.outputs import Json
 
 
 def evenly(results: Path) -> list[Json]:
@@ -117,13 +118,10 @@ def run_again(
         InputError: a folder that cannot be written, that of the reported cases, or one that holds other diagnoses.
     """
     _refuse_others(results, out, threads)
-    tasks = [Task(case["set"], case["seed"], case["kind"], case["number"]) for case in reported]
+    tasks = [Task.of(case) for case in reported]
     run_missing(tasks, out, workers, run, threads=threads, progress=progress, line=in_a_line)
-    again = [json.loads(path_of(out, task).read_text(encoding="utf-8")) for task in tasks]
-    summary = again_summary(reported, again)
-    with staged(out) as stage:
-        (stage / SUMMARY).write_text(json_text(summary), encoding="utf-8")
-        (stage / PAGE).write_text(again_page(summary, shlex.join(command)), encoding="utf-8")
+    summary = again_summary(reported, cases_of(out, tasks))
+    write_page(out, summary, again_page(summary, shlex.join(command)))
     return summary
 
 
@@ -140,7 +138,7 @@ def _refuse_others(results: Path, out: Path, threads: int) -> None:
         if "failure" not in case and _made_by(case) != expected:
             raise InputError(
                 f"{file}: another diagnosis, or one on another number of threads",
-                f"in one folder cases of one diagnosis, today's, on {threads} thread{'s' * (threads > 1)} each",
+                f"in one folder cases of one diagnosis, today's, on {threads_of({'threads': [threads]})}",
                 "name another folder with --out, or remove this one",
             )
 

@@ -5,6 +5,7 @@ from math import isclose
 from typing import Any
 
 from testbed.hidden_effects.bars import threads_of
+from testbed.hidden_effects.proposed_page import failures
 from testbed.hidden_effects.scores import class_of, seconds, seconds_by_class
 from testbed.outputs import Json
 
@@ -99,7 +100,7 @@ def again_page(summary: Json, command: str) -> str:
     about = f"Set `{summary['set']}`, seeds {seeds}; stamp of the code: {summary['stamp']}."
     lines = ["# Reported cases, diagnosed again", "", f"Made by `{command}`.", "", ABOUT, about, ""]
     lines += [*compared(summary), "", *_seconds(summary), "", "## One by one", "", *_rows(summary["rows"])]
-    return "\n".join([*lines, *_failed(summary["failed"])]) + "\n"
+    return "\n".join([*lines, *failures(summary["failed"])]) + "\n"
 
 
 def compared(summary: Json) -> Iterator[str]:
@@ -146,9 +147,3 @@ def _rows(rows: Sequence[Json]) -> Iterator[str]:
 def _cell(stated: Json) -> str:
     mark = "right" if stated["right"] else f"**wrong**: {stated['named']}"
     return f"{mark} | {stated['diagnosis']:.0f}, {stated['threads']}"
-
-
-def _failed(failed: Sequence[Json]) -> Iterator[str]:
-    for row in failed:
-        yield ""
-        yield f"`{row['case']}` failed: {row['failure']}."

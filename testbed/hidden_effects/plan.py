@@ -53,6 +53,15 @@ class Task:
     kind: str
     number: int
 
+    @classmethod
+    def of(cls, case: Mapping[str, Any]) -> "Task":
+        """The task of a case.
+
+        Args:
+            case: as its file holds it.
+        """
+        return cls(case["set"], case["seed"], case["kind"], case["number"])
+
     @property
     def about(self) -> dict[str, Any]:
         """What its file says of which case it is."""

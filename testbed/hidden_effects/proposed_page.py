@@ -78,7 +78,7 @@ def proposed_page(summary: Json, command: str) -> str:
         command: that makes it again.
     """
     lines = ["# The next experiment, carried out", "", f"Made by `{command}`.", "", ABOUT, *_counts(summary), ""]
-    return "\n".join([*lines, "## One by one", "", *_rows(summary["rows"]), *_failed(summary["failed"])]) + "\n"
+    return "\n".join([*lines, "## One by one", "", *_rows(summary["rows"]), *failures(summary["failed"])]) + "\n"
 
 
 def _counts(summary: Json) -> Iterator[str]:
@@ -114,7 +114,12 @@ def _joined(effects: Sequence[Json], by: str) -> str:
     return by.join(effect_in_words(effect, " m") for effect in effects)
 
 
-def _failed(failed: Sequence[Json]) -> Iterator[str]:
+def failures(failed: Sequence[Json]) -> Iterator[str]:
+    """Cases that failed, a paragraph each.
+
+    Args:
+        failed: of ``summary.json``.
+    """
     for row in failed:
         yield ""
         yield f"`{row['case']}` failed: {row['failure']}."

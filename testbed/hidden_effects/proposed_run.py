@@ -1,6 +1,5 @@
 """The proposed tests over files: one file a case, kept when it is done, and a page of all that are there."""
 
-import json
 import shlex
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,9 +10,9 @@ from testbed.hidden_effects.crew import RunCase, Workers
 from testbed.hidden_effects.plan import Task
 from testbed.hidden_effects.proposed import run_proposed
 from testbed.hidden_effects.proposed_page import promises_to_settle, proposed_page, proposed_summary
-from testbed.hidden_effects.run import PAGE, SUMMARY, finished_in, path_of, run_missing
+from testbed.hidden_effects.run import cases_of, finished_in, run_missing, write_page
 from testbed.hidden_effects.sets import SETS
-from testbed.outputs import Json, json_text, staged
+from testbed.outputs import Json
 
 
 def with_a_group(results: Path) -> tuple[Task, ...]:
@@ -43,7 +42,7 @@ def with_a_group(results: Path) -> tuple[Task, ...]:
         promised = promises_to_settle(case["diagnosis"].get("next_experiment", {}))
         return not promised, -order.get(case["seed"], 0), case["case"]  # last those of seeds put aside since
 
-    return tuple(Task(case["set"], case["seed"], case["kind"], case["number"]) for case in sorted(grouped, key=rank))
+    return tuple(Task.of(case) for case in sorted(grouped, key=rank))
 
 
 def run_next_experiments(
@@ -74,11 +73,8 @@ def run_next_experiments(
         InputError: a folder that cannot be written.
     """
     run_missing(tasks, out, workers, run, threads=threads, progress=progress, line=_line)
-    cases = [json.loads(path_of(out, task).read_text(encoding="utf-8")) for task in tasks]
-    summary = proposed_summary(cases)
-    with staged(out) as stage:
-        (stage / SUMMARY).write_text(json_text(summary), encoding="utf-8")
-        (stage / PAGE).write_text(proposed_page(summary, shlex.join(command)), encoding="utf-8")
+    summary = proposed_summary(cases_of(out, tasks))
+    write_page(out, summary, proposed_page(summary, shlex.join(command)))
     return summary
 
 

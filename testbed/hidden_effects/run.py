@@ -92,6 +92,32 @@ def run_missing(
         progress(f"{done}/{len(todo)} {line(case)}")
 
 
+def cases_of(out: Path, tasks: Sequence[Task]) -> list[Json]:
+    """Cases that were run, as their files hold them.
+
+    Args:
+        out: folder of the results.
+        tasks: the cases.
+    """
+    return [json.loads(path_of(out, task).read_text(encoding="utf-8")) for task in tasks]
+
+
+def write_page(out: Path, summary: Json, page: str) -> None:
+    """Write ``summary.json`` and the page, both or neither.
+
+    Args:
+        out: folder of the results.
+        summary: content of the one.
+        page: content of the other.
+
+    Raises:
+        InputError: a folder that cannot be written.
+    """
+    with staged(out) as stage:
+        (stage / SUMMARY).write_text(json_text(summary), encoding="utf-8")
+        (stage / PAGE).write_text(page, encoding="utf-8")
+
+
 def finished_in(results: Path) -> list[Json]:
     """The cases of a folder of results that came to a diagnosis.
 
