@@ -288,6 +288,35 @@ def test_slopes_that_were_followed_are_formed_where_the_fit_ends():
     np.testing.assert_allclose(found.jacobian, MATRIX.T * (1.0 + 2e-4 * away), rtol=1e-3, atol=1e-3)
 
 
+class Bent(Linear):
+    """One number whose slope is 10 where it is 0, and 35 as a difference over half a unit."""
+
+    def residuals(self, hypotheses):
+        return [np.array([10.0 * (a + 5.0 * a**2)]) for a in (self.unknowns[0].get(h) for h, _ in hypotheses)]
+
+
+def test_a_precise_fit_that_takes_no_step_forms_its_slopes_again_where_they_were_too_wide():
+    unknowns = (Number("a", step=0.5),)
+    problem = Bent(np.zeros((1, 1)), np.zeros(1), unknowns)
+
+    plain, precise = (fit(problem, NOWHERE, unknowns, max_iterations=0, precise=each) for each in (False, True))
+
+    assert plain.jacobian[0, 0] == pytest.approx(35.0)
+    assert precise.jacobian[0, 0] == pytest.approx(10.0, rel=0.5)
+
+
+@pytest.mark.parametrize("precise", [False, True])
+def test_a_precise_fit_that_is_stopped_forms_what_it_was_given_where_it_ends(precise):
+    """Columns a little off lead on well enough, and no covariance is to be formed of them."""
+    unknowns = tuple(Number(name) for name in NAMES)
+    problem = Linear(MATRIX, MATRIX @ np.array([3.0, -3.5, 2.5]), unknowns)
+
+    found = fit(problem, NOWHERE, unknowns, jacobian=1.05 * MATRIX.T[:2], max_iterations=1, precise=precise)
+
+    np.testing.assert_allclose(found.jacobian[2], MATRIX.T[2], rtol=1e-6, atol=1e-6)
+    assert np.allclose(found.jacobian[:2], MATRIX.T[:2], rtol=1e-6, atol=1e-6) == precise
+
+
 def test_a_run_that_goes_on_begins_with_the_slopes_of_the_last_and_leaves_a_valley():
     unknowns = (Number("a"), Number("b"))
     problem, start = Valley(unknowns), replace(NOWHERE, values={"a": -0.5, "b": 0.25})

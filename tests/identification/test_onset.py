@@ -27,6 +27,7 @@ from models.effects.bouc_wen import BoucWen
 from models.effects.cubic_stiffness import CubicStiffness
 from models.effects.point_damping import PointDamping
 from models.effects.point_mass import PointMass
+from models.effects.sensor_delay import SensorDelay
 from models.effects.wear import Wear
 from models.simulate import Motion
 
@@ -100,6 +101,31 @@ def test_where_nothing_is_missing_no_misfit_begins():
     session, base = rising_session(Hypothesis(OSCILLATOR), 4.0)
 
     assert onset_of(session.everything, base.hypothesis, session.limits, {}) is None
+
+
+def late_channel(delay):
+    """A session in which a channel is late and a misfit begins late, and the model that knows of the channel alone."""
+    late = SensorDelay(Place(sensor="top"), delay=delay)
+    session, base = rising_session(Hypothesis(OSCILLATOR, effects=(HARDENING, late)), 1.5)
+    return session, replace(base.hypothesis, values={}, effects=(late,))
+
+
+def test_what_a_late_channel_looks_back_at_is_not_judged():
+    """There it shows what was before the record begins, which its model does not know."""
+    session, model = late_channel(0.05)
+
+    onset = onset_of(session.everything, model, session.limits, {})
+
+    (target,) = onset.evaluator.timed
+    assert target.unjudged == AHEAD + np.ceil(0.05 * FS)
+    (residual,) = onset.evaluator.residuals([(replace(onset.hypothesis, effects=(HARDENING, *model.effects)), None)])
+    assert np.sqrt(residual @ residual / onset.evaluator.n_judged) == pytest.approx(1.0, abs=0.05)
+
+
+def test_a_channel_so_late_that_nothing_is_left_to_judge_shows_no_onset():
+    session, model = late_channel(0.8)
+
+    assert onset_of(session.everything, model, session.limits, {}) is None
 
 
 def test_the_search_moves_to_where_the_misfit_is():
