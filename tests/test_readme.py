@@ -97,8 +97,37 @@ def test_its_limits_count_as_the_results_do():
         told.format(*(cores[name] for name in ("nothing hidden", "one effect", "two effects", "outside the library")))
         in limits
     )
+    chaotic = results["chaotic"]
+    groups = ("nothing hidden", "one effect", "two effects", "outside the library")
+    right, cases = (sum(results[group][key] for group in groups) - chaotic[key] for key in ("right", "cases"))
+    told = f"right in {chaotic['right']} of {chaotic['cases']} cases, others in {right} of {cases}"
+    assert f"**Chaotic rigs** are {told}" in limits
+    seldom = {kind for kind, row in results["numbers"]["kinds"].items() if row["inside_share"] < 0.9}
+    words = limits.partition("**Intervals**")[2].partition("**Hard impacts**")[0]
+    assert seldom == set(re.findall(r"`(\w+)`", words))
     aside = sum(cases for cases, _ in BEFORE.values())
     assert f"{aside} cases of other diagnoses are not counted" in README
+
+
+def test_the_limits_in_detail_count_as_the_results_do():
+    results = json.loads((HOUSE / "results" / "hidden_effects" / "summary.json").read_text(encoding="utf-8"))
+    theory = (HOUSE / "docs" / "theory.md").read_text(encoding="utf-8")
+    limits = " ".join(theory.partition("## 25 Limits in detail")[2].split())
+    named, beside = (
+        next(row for row in results[table] if row["met"] and not row["taught"])
+        for table in ("by_what_is_left", "added_later")
+    )
+    assert f"{named['right']} of {named['cases']} effects named there were there" in limits
+    assert f"{beside['right']} of {beside['cases']} were there" in limits
+    hertz = results["numbers"]["kinds"]["hertz_contact"]
+    assert f"{round(hertz['count'] * hertz['inside_share'])} of {hertz['count']} of those of `hertz_contact`" in limits
+
+
+@pytest.mark.parametrize("folder", ["hidden_effects_varied", "next_experiments"])
+def test_the_commands_of_the_results_are_those_on_their_pages(folder):
+    page = (HOUSE / "results" / folder / "README.md").read_text(encoding="utf-8")
+    (command,) = re.findall(r"^Made by `(.*)`", page, re.MULTILINE)
+    assert f"`{command}`" in (HOUSE / "results" / "README.md").read_text(encoding="utf-8")
 
 
 def test_what_its_commands_leave_in_the_folder_is_ignored_by_git():

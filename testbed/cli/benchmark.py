@@ -93,7 +93,7 @@ def next_experiments(
     scheduler: Scheduler = None,
     as_json: AsJson = False,
 ) -> None:
-    """Carry out the tests that were proposed where a group was stated, and diagnose again; goes on where it stopped."""
+    """Carry out the tests proposed where a group was stated, diagnose again; status 1 where one misleads or fails."""
     folder = out_folder(out, Path("next_experiments"), "README.md", "summary.json", "cases/")
     with progress() as tell:
         from testbed.hidden_effects.proposed_run import run_next_experiments, with_a_group
@@ -110,6 +110,8 @@ def next_experiments(
     else:
         print_table(("outcome", "cases"), list(summary["outcomes"].items()))
         say(f"written: {folder}/README.md and summary.json; {summary['cases']} cases in {folder}/cases")
+    if summary["outcomes"]["wrong"] or summary["failed"]:
+        raise typer.Exit(MISSED)
 
 
 @benchmark.command("again", epilog=AGAIN)

@@ -229,3 +229,7 @@ OUTSIDE_LAWS: tuple[type[Effect], ...] = (
 """In the order in which the cases take turns. Of the first six, which all batches up to seed 43201 have, the diagnosis
 holds five within the laws that it tries beyond the library (``models.general_laws``), since that seed; of the last
 three, which were added with that, none up to seed 49711, and since then the first."""
+
+HELD_BY_NONE: tuple[type[Effect], ...] = (PulsatingSpring, BrokenSpring, CreepingSpring)
+"""Those that none of the laws more general than the library's holds within it: with a clock, or with a state that is
+neither a friction's nor a linear memory's."""

@@ -45,8 +45,9 @@ much as the force.
 BATCHES = """\
 A case is judged by the diagnosis as it was before anybody had looked at the case. What the misses of a batch taught was
 mended after it, and is judged by the next batch, drawn from another seed. So the figures are those of the diagnosis on
-its way; none is of cases that it was tuned on. The command draws the cases of all batches, one after the other, and
-diagnoses those that have no file by the diagnosis as it is.
+its way; none is of cases that it was tuned on. The first two batches were kept as those that count when their cases
+were known, and earlier ones put aside; each batch since had its seed before its first case was drawn. The command draws
+the cases of all batches, one after the other, and diagnoses those that have no file by the diagnosis as it is.
 """
 
 OF_REPORTED = f"""\
@@ -207,6 +208,9 @@ def _alike(reached: Json) -> Iterator[str]:
     if laws["laws"]:
         yield f"Each of the {laws['laws']} laws outside the library counted alike, {laws['share']:.1%} are"
         yield "`unexplained`."
+    none = laws["held_by_none"]
+    if none["cases"]:
+        yield f"Of those that no more general law holds either, {none['right']} of {none['cases']} are."
 
 
 def _shown(sizes: Json) -> Iterator[str]:

@@ -11,6 +11,7 @@ from testbed.hidden_effects.bars import bars_of
 from testbed.hidden_effects.detection import detection
 from testbed.hidden_effects.judge import NEAR, are_there, position_of
 from testbed.hidden_effects.newest import newest_of
+from testbed.hidden_effects.outside import HELD_BY_NONE
 from testbed.hidden_effects.plan import NOTHING, OUTSIDE, TWO
 from testbed.hidden_effects.sets import FEW, MANY, MOST, SETS
 from testbed.outputs import Json
@@ -108,13 +109,19 @@ def reached_over(cases: Sequence[Json]) -> Json:
 def laws_alike(cases: Sequence[Json]) -> Json:
     """Share of the laws outside the library that are called ``unexplained``, each law counted alike.
 
-    Batches that all begin with the same law hold more of it than of the last, where they are short.
+    Batches that all begin with the same law hold more of it than of the last, where they are short. Beside it, how many
+    are right of the cases whose law no more general law of the diagnosis holds within it either.
 
     Args:
         cases: of any class.
     """
-    rows = [row_of(group) for group in _by_law([case for case in cases if class_of(case) == CLASSES[OUTSIDE]]).values()]
-    return {"laws": len(rows), "share": _mean_of(rows, "right_share")}
+    by_law = _by_law([case for case in cases if class_of(case) == CLASSES[OUTSIDE]])
+    by_none = row_of([case for law in HELD_BY_NONE for case in by_law.get(law.kind, [])])
+    return {
+        "laws": len(by_law),
+        "share": _mean_of([row_of(group) for group in by_law.values()], "right_share"),
+        "held_by_none": {key: by_none[key] for key in ("right", "cases")},
+    }
 
 
 def kinds_alike(cases: Sequence[Json]) -> Json:

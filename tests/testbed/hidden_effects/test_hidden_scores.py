@@ -1,6 +1,7 @@
 import pytest
 from made_up_cases import SEED, every_bar_met, failed, made_up
 
+from testbed.hidden_effects.outside import HELD_BY_NONE
 from testbed.hidden_effects.page import page_of
 from testbed.hidden_effects.scores import (
     CLASSES,
@@ -278,8 +279,21 @@ def test_laws_outside_the_library_count_alike_however_often_they_are_drawn():
     cases = [law("one_sided_stop", n, right=True) for n in range(3)] + [law("relaxing_spring", 9, right=False)]
     summary = summary_of(cases, "reported")
 
-    assert summary["laws_alike"] == {"laws": 2, "share": 0.5}
+    assert (summary["laws_alike"]["laws"], summary["laws_alike"]["share"]) == (2, 0.5)
     assert "Each of the 2 laws outside the library counted alike, 50.0% are" in page_of(summary, {}, "testbed")
+
+
+def test_laws_that_nothing_more_general_holds_are_told_apart():
+    def law(kind, number, *, right):
+        return made_up("outside", number, right=right, hidden=[{"kind": kind, "position": 0.5}])
+
+    cases = [law(one.kind, n, right=n > 0) for n, one in enumerate(HELD_BY_NONE)]
+    summary = summary_of([*cases, law("relaxing_spring", 9, right=False)], "reported")
+
+    n = len(HELD_BY_NONE)
+    assert summary["laws_alike"]["held_by_none"] == {"right": n - 1, "cases": n}
+    told = f"Of those that no more general law holds either, {n - 1} of {n} are."
+    assert told in page_of(summary, {}, "testbed")
 
 
 def test_kinds_count_alike_however_often_they_are_drawn():

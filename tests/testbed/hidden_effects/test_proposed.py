@@ -203,6 +203,20 @@ def test_those_whose_test_was_to_settle_it_come_before_all_others(tmp_path):
     assert [task.number for task in with_a_group(tmp_path)] == [1, 0, 2]
 
 
+@pytest.mark.parametrize(("outcome", "status"), [("told apart", 0), ("still open", 0), ("wrong", 1), (None, 1)])
+def test_a_test_that_misleads_or_a_case_that_fails_is_told_by_the_exit_status(outcome, status, tmp_path, monkeypatch):
+    keep_json(tmp_path / "cases" / "one.json", with_group(0, [GROUP]))
+
+    def run(*_, **__):
+        failed = [{"case": "reported-1-nothing-0", "failure": "stopped"}]
+        return proposed_summary([]) | (
+            {"failed": failed} if outcome is None else proposed_summary([came_of(0, outcome)])
+        )
+
+    monkeypatch.setattr("testbed.hidden_effects.proposed_run.run_next_experiments", run)
+    assert main(["benchmark", "next-experiments", str(tmp_path), "--out", str(tmp_path / "out")]) == status
+
+
 def test_a_folder_without_groups_is_refused(tmp_path, capsys):
     with pytest.raises(InputError, match=r"0 finished cases, none with a stated group; a folder of .*; name the"):
         with_a_group(tmp_path)
