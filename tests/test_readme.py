@@ -97,6 +97,8 @@ def test_its_limits_count_as_the_results_do():
         told.format(*(cores[name] for name in ("nothing hidden", "one effect", "two effects", "outside the library")))
         in limits
     )
+    taken = f"all {results['seconds']['cases']} took {results['seconds_in_first_mix']:.1f} s"
+    assert f"at the tenth that the first batches have, {taken}" in limits
     chaotic = results["chaotic"]
     groups = ("nothing hidden", "one effect", "two effects", "outside the library")
     right, cases = (sum(results[group][key] for group in groups) - chaotic[key] for key in ("right", "cases"))

@@ -362,6 +362,11 @@ def _seconds(summary: Json) -> Iterator[str]:
         if others["cases"]:
             yield f"The other {others['cases']} cases ran on {threads_of(others)}, mostly beside another case:"
             yield f"{others['median']:.3g} s (median)."
+    in_first_mix = summary["seconds_in_first_mix"]
+    if in_first_mix is not None:
+        alike = f"With each class at its share of the first batches, on {threads_of({'threads': [CORES]})}"
+        yield f"{alike}: {in_first_mix:.3g} s"
+        yield "(median); later ones have more cases outside the library, which take longest."
 
     for threads, key in ((1, "seconds_alone"), (CORES, "seconds_on_cores")):
         taken = {name: row for name, row in summary["newest"][key].items() if row["cases"]}

@@ -12,7 +12,7 @@ from testbed.hidden_effects.detection import detection
 from testbed.hidden_effects.judge import NEAR, are_there, position_of
 from testbed.hidden_effects.newest import newest_of
 from testbed.hidden_effects.outside import HELD_BY_NONE
-from testbed.hidden_effects.plan import NOTHING, OUTSIDE, TWO
+from testbed.hidden_effects.plan import NOTHING, OUTSIDE, PATTERN, TWO
 from testbed.hidden_effects.sets import FEW, MANY, MOST, SETS
 from testbed.outputs import Json
 
@@ -77,6 +77,7 @@ def summary_of(cases: Sequence[Json], case_set: str) -> Json:
         "calibration_before": calibration([c for c in named if not SETS[case_set].batches[c["seed"]].keeps]),
         "by_what_is_left": by_what_is_left(named),
         "added_later": added_later([c for c in named if SETS[case_set].batches[c["seed"]].keeps]),
+        "seconds_in_first_mix": seconds_in_first_mix(cases, CORES),
         "shown": shown([case for case in done if case["hidden"]]),
         "located": located([case for case in done if len(case["hidden"]) == 1]),
         "located_since": located([c for c in done if len(c["hidden"]) == 1 and c["seed"] >= LOCATED_ANEW]),
@@ -479,6 +480,27 @@ def seconds_by_class(cases: Sequence[Json], threads: int) -> Json:
     return {
         name: {"cases": len(some), "median": float(np.median(some)) if some else None} for name, some in taken.items()
     }
+
+
+def seconds_in_first_mix(cases: Sequence[Json], threads: int) -> float | None:
+    """Median of what a diagnosis takes, each class counted at the share that it has of the first batches' cases.
+
+    A quarter of later batches' cases is outside the library, where others have a tenth, and these take longest.
+
+    Args:
+        cases: of one set; those that failed are left out.
+        threads: of the diagnoses that are asked for.
+    """
+    asked = [case for case in cases if "judged" in case and case["seconds"]["threads"] == threads]
+    groups = {name: group for name, group in _by_class(asked).items() if group}
+    share = Counter(CLASSES.get(name, ONE) for name in PATTERN)
+    weighed = sorted(
+        (case["seconds"]["diagnosis"], share[name] / len(group)) for name, group in groups.items() for case in group
+    )
+    if not weighed:
+        return None
+    below = np.cumsum([weight for _, weight in weighed])
+    return float(weighed[int(np.searchsorted(below, 0.5 * below[-1]))][0])
 
 
 def shares_of_engines(cases: Sequence[Json]) -> Json:

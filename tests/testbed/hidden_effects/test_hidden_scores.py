@@ -5,12 +5,14 @@ from testbed.hidden_effects.outside import HELD_BY_NONE
 from testbed.hidden_effects.page import page_of
 from testbed.hidden_effects.scores import (
     CLASSES,
+    CORES,
     LOCATED_ANEW,
     beliefs_of,
     calibration,
     in_a_line,
     located,
     seconds,
+    seconds_in_first_mix,
     shares_of_engines,
     summary_of,
 )
@@ -174,6 +176,22 @@ def test_seconds_are_those_on_the_cores_that_the_bar_means():
     assert seconds(cases)["median"] == 40.0
     assert seconds(cases)["others"] == {"cases": 2, "median": 85.0, "threads": [1]}
     assert seconds(cases[:2])["median"] == 85.0
+
+
+def test_seconds_in_the_first_mix_count_each_class_at_its_share():
+    def taking(kind, number, diagnosis, threads=CORES):
+        return made_up(kind, number) | {"seconds": {"draw": 1.0, "diagnosis": diagnosis, "threads": threads}}
+
+    outside = [taking("outside", n, 300.0 + n) for n in range(20)]
+    others = [taking("nothing", 0, 10.0), taking("wear", 0, 50.0), taking("wear", 1, 60.0), taking("two", 0, 200.0)]
+    cases = [*outside, *others, taking("wear", 2, 1.0, threads=1)]
+
+    # A quarter takes 10 s, 27.5 % each 50 and 60: half of all is below 50 s, whatever those outside take.
+    assert seconds_in_first_mix(cases, CORES) == 50.0
+    assert seconds(cases)["median"] > 300.0
+    assert seconds_in_first_mix([], CORES) is None
+    told = page_of(summary_of(cases, "reported"), {}, "testbed")
+    assert f"With each class at its share of the first batches, on {CORES} threads each: 50 s" in told
 
 
 def test_progress_says_case_engine_result_and_seconds():
