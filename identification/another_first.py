@@ -3,29 +3,17 @@
 What explains most of two effects alone may be neither: an absorber hangs its weight on the beam as a sleeve off its
 axis does, and brakes as drag does. Beside it neither of the two is seen, while beside either of them the other stands
 out. So the runners-up of its round are asked what is seen beside them: selection that looks ahead (S. Chatterjee et
-al., IEEE Trans. Signal Process. 60 (2012) 634). The same where it does reach the noise, but with a law of which no
-number is told.
+al., IEEE Trans. Signal Process. 60 (2012) 634).
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from math import log
 
 from identification.acceptance import passing
 from identification.anew import WORTH_REFITTING, ranked_beside
-from identification.evidence import (
-    LEAST_EVIDENCE,
-    SIMPLER,
-    Ranked,
-    log_fit,
-    log_standing,
-    misfit_in_common,
-    misfit_of,
-)
+from identification.evidence import LEAST_EVIDENCE, Ranked, log_fit, log_standing, misfit_in_common, misfit_of
 from identification.exchange import fit_at
 from identification.fit import Fit
-from identification.hypothesis import numbers_with_place
 from identification.in_its_place import EXPLAINED
 from identification.judge import LARGE
 from identification.look import afar, beside
@@ -80,62 +68,25 @@ def another_first(
     if nearest.ratio <= EXPLAINED:
         return None
     first = found.hypothesis.effects[0].label()
-    why_so = f"nothing seen beside {first} reaches the noise"
-    for row, base, seen in _beside_runners_up(session, calibrated, found, first_round, why_so):
+    for row in _runners_up(calibrated, found, first_round):
+        name = row.effect.label()
+        if not session.has_time_for(f"a search beside {name}"):
+            return None
+        session.progress(f"nothing seen beside {first} reaches the noise; looking beside {name}, which came after it")
+        try:
+            base = fit_at(session, calibrated, row.fit.hypothesis)
+            seen = ranked_beside(session, base, afar if base.ratio > LARGE else beside, WORTH_REFITTING)
+        except ArithmeticError:
+            continue
+        seen = told_apart(session, seen)
         if _is_explained(session, base, seen):
             why = (
                 f"beside that {seen[0].effect.label()} leaves {seen[0].fit.ratio:.2f} times the noise, beside {first} "
                 f"nothing less than {nearest.ratio:.2f}"
             )
             in_front = _in_front(row, base, first_round, nearest, seen[0].fit)
-            return AnotherFirst(base, in_front, seen, f"{first} exchanged for {row.effect.label()}", why)
+            return AnotherFirst(base, in_front, seen, f"{first} exchanged for {name}", why)
     return None
-
-
-def one_of_two(session: Session, calibrated: Fit, untold: Fit, first_round: Sequence[Ranked]) -> AnotherFirst | None:
-    """The runner-up of the first round that explains clearly more with another effect than what imitates the two.
-
-    Args:
-        session: with the records.
-        calibrated: the model without effects.
-        untold: with one effect, of whose law no number is told.
-        first_round: its round, from which it is left out.
-    """
-    (imitation,) = untold.hypothesis.effects
-    first, again = imitation.label(), partial(_are_one, imitation, rig=untold.hypothesis.rig)
-    for row, base, seen in _beside_runners_up(session, calibrated, untold, first_round, f"{first} may imitate two"):
-        if _is_explained(session, base, seen) and _explains_more(seen[0].fit, untold):
-            left = f"{seen[0].fit.ratio:.2f} times the noise, {first} {untold.ratio:.2f} with numbers that are not told"
-            why = f"beside that {seen[0].effect.label()} leaves {left}"
-            others = [each for each in first_round if each.effect.kind != imitation.kind or not again(each.effect)]
-            in_front = _in_front(row, base, others, untold, seen[0].fit)
-            return AnotherFirst(base, in_front, seen, f"{first} exchanged for {row.effect.label()}", why)
-    return None
-
-
-def _beside_runners_up(
-    session: Session, calibrated: Fit, found: Fit, first_round: Sequence[Ranked], why: str
-) -> Iterator[tuple[Ranked, Fit, list[Ranked]]]:
-    """Each runner-up, the model with it, and what is seen beside it, for as long as there is time."""
-    for row in _runners_up(calibrated, found, first_round):
-        name = row.effect.label()
-        if not session.has_time_for(f"a search beside {name}"):
-            return
-        session.progress(f"{why}; looking beside {name}, which came after it")
-        try:
-            base = fit_at(session, calibrated, row.fit.hypothesis)
-            seen = ranked_beside(session, base, afar if base.ratio > LARGE else beside, WORTH_REFITTING)
-        except ArithmeticError:
-            continue
-        yield row, base, told_apart(session, seen)
-
-
-def _explains_more(pair: Fit, imitation: Fit) -> bool:
-    """Whether two effects do clearly better than what imitates them, each further number at its price."""
-    unit = misfit_of(pair)
-    of_pair, of_one = (sum(map(numbers_with_place, each.hypothesis.effects)) for each in (pair, imitation))
-    better = log_fit(pair, unit) - log_fit(imitation, unit) - log(SIMPLER) * (of_pair - of_one)
-    return better >= LEAST_EVIDENCE
 
 
 def _is_explained(session: Session, base: Fit, ranked: Sequence[Ranked]) -> bool:
@@ -153,8 +104,7 @@ def _runners_up(calibrated: Fit, found: Fit, first_round: Sequence[Ranked]) -> l
     """What explains nearly as much as the first effect by itself elsewhere, the most probable first."""
     rig, seen = found.hypothesis.rig, [found.hypothesis.effects[0]]
     rows: list[Ranked] = []
-    alone = (row for row in first_round if row.refitted and len(row.fit.hypothesis.effects) == 1)
-    for row in (row for row in alone if len(row.effect.parts()) == 1):
+    for row in (row for row in first_round if row.refitted and len(row.effect.parts()) == 1):
         near = row.fit.ratio <= MOST_BEHIND * found.ratio and takes_away(calibrated, row.fit) >= LEAST_SHARE
         if near and not any(_are_one(row.effect, other, rig) for other in seen):
             rows.append(row)

@@ -23,7 +23,7 @@ from identification.acceptance import (
 )
 from identification.alone import one_alone
 from identification.anew import looked_for_anew
-from identification.another_first import another_first, one_of_two
+from identification.another_first import another_first
 from identification.assess import with_starts
 from identification.beyond import (
     is_beyond_library,
@@ -35,7 +35,7 @@ from identification.beyond import (
 from identification.calibrate import calibrate, strained, unknowns_of
 from identification.carried import carried_by_best, carried_by_calibrated, excused
 from identification.conclude import concluded, one_set_of_numbers, settled
-from identification.established import NO_NUMBER_TOLD, NO_SIZE
+from identification.established import NO_SIZE
 from identification.evidence import Ranked
 from identification.exchange import exchanged
 from identification.fewer import with_fewer
@@ -142,12 +142,7 @@ def diagnose(
 
 @dataclass(frozen=True, eq=False)
 class _Found:
-    """What a search came to: the models, what was weighed beside them, the one that stands, and what it is worth.
-
-    Attributes:
-        searched_with: the session as it was when the search was over and nothing was concluded yet.
-        untold: the model with one effect that was taken out since no number of its law is told.
-    """
+    """What a search came to: the models, what was weighed beside them, the one that stands, and what it is worth."""
 
     chain: list[Fit]
     rounds: list[list[Ranked]]
@@ -155,25 +150,6 @@ class _Found:
     final: Fit
     last: Fit
     kept: KeptAside
-    searched_with: Session
-    untold: Fit | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class _Ended:
-    """What the models of a search come to.
-
-    Attributes:
-        verdict: of the diagnosis.
-        final: the model that stands.
-        last: the same on all records with honest intervals.
-        untold: the model with one effect that was taken out since no number of its law is told.
-    """
-
-    verdict: Verdict
-    final: Fit
-    last: Fit
-    untold: Fit | None = None
 
 
 def _searched(
@@ -184,61 +160,15 @@ def _searched(
     most_effects: int,
     chain: list[Fit],
 ) -> _Found:
-    """What the search comes to, begun again with another effect where the one that was found imitates two."""
-    search = partial(_added, session, given, holdout, stages, most_effects)
-    found = search(chain, [], [])
-    untold = None if session.is_beyond or most_effects < 2 else found.untold
-    if found.verdict != "unexplained" or untold is None:
-        return found
-    if is_beyond_library(session, law_beyond(session, found.chain[0], untold)):
-        return found
-    concluded_with, so_far = session.as_it_is(), len(stages)
-    session.back_to(found.searched_with)
-    again = _of_two(session, search, stages, found, untold)
-    if again is None:
-        session.back_to(concluded_with)
-        del stages[so_far:]
-    return again or found
-
-
-def _of_two(
-    session: Session, search: Callable[..., _Found], stages: list[Stage], found: _Found, untold: Fit
-) -> _Found | None:
-    """What a search comes to that begins with one of two effects; None where they are not named in the end."""
-    try:
-        other = one_of_two(session, found.chain[0], untold, found.rounds[0])
-        if other is None or not _staged(session, stages, other.label, other.fit):
-            return None
-        session.decide(f"{other.label}: {other.why}")
-        again = search([found.chain[0], other.fit], [other.round], other.ranked)
-    except ArithmeticError:
-        session.decide("a motion leaves the finite numbers there: what was found before stands")
-        return None
-    return again if again.verdict == "missing_effect" and len(again.final.hypothesis.effects) > 1 else None
-
-
-def _added(
-    session: Session,
-    given: Hypothesis,
-    holdout: Sequence[AnyRecord],
-    stages: list[Stage],
-    most_effects: int,
-    chain: list[Fit],
-    rounds: list[list[Ranked]],
-    seen: list[Ranked],
-) -> _Found:
-    """Effects added for as long as one explains more, each held against all others, and the verdict.
-
-    What is seen beside the models so far may be known: then the first look is that.
-    """
+    """Effects added for as long as one explains more, each held against all others, and the verdict."""
+    rounds: list[list[Ranked]] = []
     for number in range(MOST_ROUNDS):
         if is_enough(session, chain[-1]) and session.lengthen(chain[-1]):
             ended = session.to_the_end(chain[-1])
             chain, rounds = everything_again(session, [*chain[:-1], ended], rounds, ended=ended)
         if _is_over(session, chain[-1], most_effects, is_begun=number > 0):
             break
-        chain, rounds, ranked, better = _looked(session, chain, rounds) if not seen else (chain, rounds, seen, None)
-        seen = []
+        chain, rounds, ranked, better = _looked(session, chain, rounds)
         if better is not None and not chain[-1].hypothesis.effects:
             session.decide(f"a better calibration was found on the way: residual {better.ratio:.2f} times the noise")
             learnt = relearn(session, excused(session, better))
@@ -273,9 +203,8 @@ def _judged(
     rounds: list[list[Ranked]],
 ) -> _Found:
     """What the search's models come to, held against laws beyond the library and against what was kept aside."""
-    calibrated, law, searched_with = chain[0], None, session.as_it_is()
-    ended = _ended(session, chain, rounds, stages, holdout)
-    verdict, final, last = ended.verdict, ended.final, ended.last
+    calibrated, law = chain[0], None
+    verdict, final, last = _ended(session, chain, rounds, stages, holdout)
     if verdict == "missing_effect":
         of_one = is_of_one_law(session, last)
         law = None if of_one else law_beyond(session, calibrated, final)
@@ -293,7 +222,7 @@ def _judged(
         verdict, final, last = "unexplained", calibrated, settled(session, calibrated)
         alone = kept_aside(session, given, last.hypothesis, holdout)
         kept = replace(alone, missed=alone.missed or kept.missed)
-    return _Found(chain, rounds, verdict, final, last, kept, searched_with, ended.untold)
+    return _Found(chain, rounds, verdict, final, last, kept)
 
 
 def _is_over(session: Session, last: Fit, most_effects: int, *, is_begun: bool) -> bool:
@@ -451,8 +380,8 @@ def _ended(
     rounds: list[list[Ranked]],
     stages: list[Stage],
     holdout: Sequence[AnyRecord],
-) -> _Ended:
-    """The verdict and the model that stands, with honest intervals.
+) -> tuple[Verdict, Fit, Fit]:
+    """The verdict, the model that stands, and the same on all records with honest intervals.
 
     An effect whose size these intervals do not tell from none, or whose law or place they do not tell, is taken out,
     with its round. Before that, a law or a place gives way to a simpler law of its round that explains as much, and a
@@ -460,7 +389,7 @@ def _ended(
     what all records speak for. A kind that gave way is out: it does not come back to its place. The last round stays
     where it is needed to show what was weighed.
     """
-    taken_out, looked, untold = False, bool(rounds), None
+    taken_out, looked = False, bool(rounds)
     predicts = partial(predicted, session, holdout, chain[0].hypothesis)
     final, weighed, out = chain[-1], rounds[:1], [set[str]() for _ in rounds]
     while True:
@@ -470,11 +399,11 @@ def _ended(
         doubted = in_doubt(session, chain[0], final, last, predicts)
         if verdict != "missing_effect":
             rounds += [] if rounds else weighed
-            return _Ended(verdict, final, last, untold)
+            return verdict, final, last
         if doubted is None:
             exchange = _ahead(session, chain[0], final, rounds, out, predicts)
             if exchange is None or not _exchanged_for(session, stages, final, *exchange):
-                return _Ended(verdict, final, last)
+                return verdict, final, last
             index, other = exchange
             out[index].add(final.hypothesis.effects[index].kind)
             final, rounds[index] = other.fit, other.ranked
@@ -488,7 +417,7 @@ def _ended(
             final, rounds[index] = instead.fit, instead.ranked
             continue
         session.decide(f"{effect.label()} taken out again: {why}")
-        taken_out, untold = True, final if why in NO_NUMBER_TOLD and len(final.hypothesis.effects) == 1 else None
+        taken_out = True
         label, less = f"- {effect.label()}", fit_without(session, chain[0], final, index)
         if less is not None and _staged(session, stages, label, less):
             final = less

@@ -59,9 +59,6 @@ NO_NUMBER = "modes, channels and records leave no more known of any of its numbe
 NO_PLACE = "the records do not tell where along the beam it acts: it may stand for anything that moves the same mode"
 """Why such an effect is not named."""
 
-NO_NUMBER_TOLD = (NO_LAW, NO_LAW_OF_ALL, NO_NUMBER)
-"""Those of them of a law that may be an imitation."""
-
 
 def unestablished(
     found: Fit, *, in_motion: bool = True, needed: Collection[int] = (), predicted: bool = False
