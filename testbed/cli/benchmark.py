@@ -18,6 +18,7 @@ NEXT = "Example: testbed benchmark next-experiments results/hidden_effects --out
 AGAIN = "Example: testbed benchmark again results/hidden_effects --cases 40 --jobs 1 --threads 2 --out results/again"
 MISSED = 1
 
+Results = Annotated[Path, typer.Argument(metavar="RESULTS", help="Folder that benchmark hidden-effects wrote.")]
 Jobs = Annotated[
     int | None, typer.Option("--jobs", min=1, help="Cases at a time; all cores unless given.", show_default=False)
 ]
@@ -82,7 +83,7 @@ def hidden_effects(
 
 @benchmark.command("next-experiments", epilog=NEXT)
 def next_experiments(
-    results: Annotated[Path, typer.Argument(metavar="RESULTS", help="Folder that benchmark hidden-effects wrote.")],
+    results: Results,
     *,
     cases: Annotated[
         int | None, typer.Option("--cases", min=1, help="The first so many; all unless given.", show_default=False)
@@ -116,7 +117,7 @@ def next_experiments(
 
 @benchmark.command("again", epilog=AGAIN)
 def again(
-    results: Annotated[Path, typer.Argument(metavar="RESULTS", help="Folder that benchmark hidden-effects wrote.")],
+    results: Results,
     *,
     cases: Annotated[int, typer.Option("--cases", min=1, help="The first so many, spread over the mix.")] = 40,
     out: Out = None,

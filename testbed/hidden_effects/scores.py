@@ -117,11 +117,10 @@ def laws_alike(cases: Sequence[Json]) -> Json:
         cases: of any class.
     """
     by_law = _by_law([case for case in cases if class_of(case) == CLASSES[OUTSIDE]])
-    by_none = row_of([case for law in HELD_BY_NONE for case in by_law.get(law.kind, [])])
     return {
         "laws": len(by_law),
         "share": _mean_of([row_of(group) for group in by_law.values()], "right_share"),
-        "held_by_none": {key: by_none[key] for key in ("right", "cases")},
+        "held_by_none": _counts_of([case for law in HELD_BY_NONE for case in by_law.get(law.kind, [])]),
     }
 
 
@@ -475,10 +474,9 @@ def seconds_by_class(cases: Sequence[Json], threads: int) -> Json:
         cases: of one set; those that failed are left out.
         threads: of the diagnoses that are asked for.
     """
-    asked = [case for case in cases if "judged" in case and case["seconds"]["threads"] == threads]
-    taken = {name: [case["seconds"]["diagnosis"] for case in group] for name, group in _by_class(asked).items()}
     return {
-        name: {"cases": len(some), "median": float(np.median(some)) if some else None} for name, some in taken.items()
+        name: {"cases": len(some), "median": float(np.median(some)) if some else None}
+        for name, some in _taken(cases, threads).items()
     }
 
 
@@ -491,16 +489,18 @@ def seconds_in_first_mix(cases: Sequence[Json], threads: int) -> float | None:
         cases: of one set; those that failed are left out.
         threads: of the diagnoses that are asked for.
     """
-    asked = [case for case in cases if "judged" in case and case["seconds"]["threads"] == threads]
-    groups = {name: group for name, group in _by_class(asked).items() if group}
     share = Counter(CLASSES.get(name, ONE) for name in PATTERN)
-    weighed = sorted(
-        (case["seconds"]["diagnosis"], share[name] / len(group)) for name, group in groups.items() for case in group
-    )
+    weighed = sorted((each, share[name] / len(some)) for name, some in _taken(cases, threads).items() for each in some)
     if not weighed:
         return None
     below = np.cumsum([weight for _, weight in weighed])
     return float(weighed[int(np.searchsorted(below, 0.5 * below[-1]))][0])
+
+
+def _taken(cases: Sequence[Json], threads: int) -> dict[str, list[float]]:
+    """Seconds of each diagnosis on so many threads, by class; those that failed are left out."""
+    asked = [case for case in cases if "judged" in case and case["seconds"]["threads"] == threads]
+    return {name: [case["seconds"]["diagnosis"] for case in group] for name, group in _by_class(asked).items()}
 
 
 def shares_of_engines(cases: Sequence[Json]) -> Json:

@@ -207,13 +207,9 @@ def test_those_whose_test_was_to_settle_it_come_before_all_others(tmp_path):
 def test_a_test_that_misleads_or_a_case_that_fails_is_told_by_the_exit_status(outcome, status, tmp_path, monkeypatch):
     keep_json(tmp_path / "cases" / "one.json", with_group(0, [GROUP]))
 
-    def run(*_, **__):
-        failed = [{"case": "reported-1-nothing-0", "failure": "stopped"}]
-        return proposed_summary([]) | (
-            {"failed": failed} if outcome is None else proposed_summary([came_of(0, outcome)])
-        )
-
-    monkeypatch.setattr("testbed.hidden_effects.proposed_run.run_next_experiments", run)
+    case = came_of(0, outcome) if outcome else {"case": "reported-1-wear-0", "failure": "stopped"}
+    summary = proposed_summary([case])
+    monkeypatch.setattr("testbed.hidden_effects.proposed_run.run_next_experiments", lambda *_, **__: summary)
     assert main(["benchmark", "next-experiments", str(tmp_path), "--out", str(tmp_path / "out")]) == status
 
 
