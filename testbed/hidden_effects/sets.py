@@ -582,13 +582,25 @@ REPORTED = CaseSet(
         ),
         63907: Batch(
             "0fc8d41",
+            48,
+            taught="nothing yet: what tells a pair from an absorber that imitates it is not known",
             run="Two threads, one case at a time with the machine to itself, whose speed others on its host change; "
-            "other work ran beside most of the 37th to 48th.",
+            "other work ran beside most of the 37th to 48th. Ended by hand, the diagnosis unchanged, for a batch in the "
+            "first mix: outside the library there are cases enough, with one effect there are too few.",
             first_kind="sensor_gain",
             first_law="broken_spring",
             n_laws=9,
             more_outside=True,
             turned=6,
+        ),
+        65003: Batch(
+            "0fc8d41",
+            run="Two threads, one case at a time with the machine to itself, whose speed others on its host change; "
+            "cases were drawn beforehand, several at a time.",
+            first_kind="clamp_compliance",
+            first_law="growing_damping",
+            n_laws=9,
+            turned=7,
         ),
     },
     shape=0.7,
