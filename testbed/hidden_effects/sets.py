@@ -585,8 +585,8 @@ REPORTED = CaseSet(
             48,
             taught="nothing yet: what tells a pair from an absorber that imitates it is not known",
             run="Two threads, one case at a time with the machine to itself, whose speed others on its host change; "
-            "other work ran beside most of the 37th to 48th. Ended by hand, the diagnosis unchanged, for a batch in the "
-            "first mix: outside the library there are cases enough, with one effect there are too few.",
+            "other work ran beside most of the 37th to 48th. Ended by hand, the diagnosis unchanged, for the first "
+            "mix: outside the library there are cases enough, with one effect too few.",
             first_kind="sensor_gain",
             first_law="broken_spring",
             n_laws=9,
